@@ -1,0 +1,107 @@
+"""Elements, nodes and Gauss points: how the centerline is divided, as shares of its length."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import InputError
+
+__all__ = ["MAX_ORDER", "Discretization"]
+
+MAX_ORDER = 6
+
+
+@dataclass(frozen=True)
+class Discretization:
+    """Lagrange elements of one order, of any lengths.
+
+    Attributes
+    ----------
+    shares : element lengths as shares of the beam's length, from the clamp; they add up to 1
+    order : of the shape functions, 1 to 6
+    gauss : Gauss points per element; as many as the order neither locks nor wastes
+    """
+
+    shares: tuple[float, ...]
+    order: int
+    gauss: int
+
+    @classmethod
+    def of(cls, elements: int | ArrayLike = 1, order: int = 5, gauss: int | None = None) -> "Discretization":
+        """Divide a beam into `elements` equal elements, or into elements of the given relative lengths.
+
+        Raises
+        ------
+        InputError : names the number and what is allowed.
+        """
+        if isinstance(elements, (int, np.integer)) and not isinstance(elements, bool):
+            if not 1 <= elements <= 100_000:
+                raise InputError(f"elements = {elements}: allowed is 1 to 100000")
+            lengths = np.ones(int(elements))
+        else:
+            lengths = np.atleast_1d(np.asarray(elements, dtype=np.float64))
+        if lengths.ndim != 1 or not (lengths.size and np.all(np.isfinite(lengths)) and np.all(lengths > 0.0)):
+            raise InputError(f"elements = {elements!r}: allowed is a count, or positive relative lengths")
+        if order not in range(1, MAX_ORDER + 1):
+            raise InputError(f"order = {order!r}: allowed is 1 to {MAX_ORDER}")
+        points = order if gauss is None else gauss
+        if points not in range(1, 2 * MAX_ORDER + 1):
+            raise InputError(f"gauss = {points!r}: allowed is 1 to {2 * MAX_ORDER}")
+        if points < order:
+            raise InputError(f"gauss = {points}: fewer points than the order, {order}, leave the element loose")
+        return cls(tuple(lengths / lengths.sum()), int(order), int(points))
+
+    @property
+    def n_elements(self) -> int:
+        """How many elements there are."""
+        return len(self.shares)
+
+    @cached_property
+    def local_nodes(self) -> NDArray[np.float64]:
+        """Gauss-Lobatto places of an element's nodes in [0, 1]: the interpolation that is best conditioned."""
+        inner = np.polynomial.legendre.Legendre.basis(self.order).deriv().roots().real
+        return 0.5 * (1.0 + np.concatenate([[-1.0], inner, [1.0]]))
+
+    @cached_property
+    def nodes(self) -> NDArray[np.float64]:
+        """Places of all nodes, shape (n_elements * order + 1,) [share of the length]."""
+        ends = np.concatenate([[0.0], np.cumsum(self.shares)])
+        ends[-1] = 1.0
+        inner = ends[:-1, None] + np.diff(ends)[:, None] * self.local_nodes[None, 1:]
+        return np.concatenate([[0.0], inner.ravel()])
+
+    @cached_property
+    def basis(self) -> NDArray[np.float64]:
+        """Shape functions and derivatives at the Gauss points, shape (2, gauss, order + 1)."""
+        points = 0.5 * (1.0 + np.polynomial.legendre.leggauss(self.gauss)[0])
+        return lagrange(self.local_nodes, points)
+
+    @cached_property
+    def mesh(self) -> NDArray[np.float64]:
+        """Gauss points of the whole beam: place, weight, 1/element length, shape (n_elements * gauss, 3)."""
+        points, weights = np.polynomial.legendre.leggauss(self.gauss)
+        share = np.asarray(self.shares)
+        start = np.concatenate([[0.0], np.cumsum(share)[:-1]])
+        place = start[:, None] + share[:, None] * 0.5 * (1.0 + points)
+        weight = share[:, None] * 0.5 * weights
+        inverse = np.broadcast_to(1.0 / share[:, None], place.shape)
+        return np.ascontiguousarray(np.stack([place, weight, inverse], axis=-1).reshape(-1, 3))
+
+
+def lagrange(nodes: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Lagrange polynomials on `nodes` and their derivatives, (29) for two nodes, at `places`.
+
+    Returns shape (2, n_places, n_nodes): values, derivatives.
+    """
+    out = np.empty((2, len(places), len(nodes)))
+    for a, own in enumerate(nodes):
+        others = np.delete(nodes, a)
+        out[0, :, a] = np.prod((places[:, None] - others) / (own - others), axis=1)
+        slopes = [
+            np.prod((places[:, None] - np.delete(others, k)) / (own - np.delete(others, k)), axis=1) / (own - other)
+            for k, other in enumerate(others)
+        ]
+        out[1, :, a] = np.sum(slopes, axis=0)
+    return out

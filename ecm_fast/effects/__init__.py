@@ -1,0 +1,16 @@
+"""The catalogue: physical effects the paper's model leaves out, one file a family.
+
+An effect is declared here once (name, law, unit, typical size, bounds, mirror class, where it enters) and
+takes effect where its law is written: in `kernels.prepare` when it only changes constants of the mechanism,
+in `kernels.section` or `kernels.tip` when it changes what happens during a solve. Value 0 means absent.
+"""
+
+from . import environment, geometry, section
+from ._entry import Effect
+
+__all__ = ["CATALOGUE", "Effect"]
+
+CATALOGUE: dict[str, Effect] = {
+    effect.name: effect for family in (section, geometry, environment) for effect in family.EFFECTS
+}
+"""Every effect by its name, in the order of the parameter vector."""

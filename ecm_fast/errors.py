@@ -1,0 +1,31 @@
+"""The exceptions of the package, and what each one means for the caller.
+
+    EcmError
+    ├── InputError      what came in cannot be right: names the place, the value and what is allowed
+    └── NotConverged    a solve was asked to vouch for its result and could not
+
+Kernels never raise: they return a status, and `Equilibrium.raise_if_failed` is where it becomes an exception.
+"""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+__all__ = ["EcmError", "InputError", "NotConverged", "did_you_mean"]
+
+
+class EcmError(Exception):
+    """Base of every error this package raises on purpose."""
+
+
+class InputError(EcmError, ValueError):
+    """Input that cannot be right; the text is one line with the place, the value and the cure."""
+
+
+class NotConverged(EcmError):  # noqa: N818  the name says what happened, as `StopIteration` does
+    """No equilibrium was found for the loads asked for; the text tells how far the loading got."""
+
+
+def did_you_mean(word: str, allowed: Iterable[str]) -> str:
+    """Return ``" (did you mean 'length'?)"`` for a misspelt word, or nothing when no name is near."""
+    near = get_close_matches(word, list(allowed), n=1)
+    return f" (did you mean {near[0]!r}?)" if near else ""

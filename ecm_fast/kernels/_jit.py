@@ -1,0 +1,88 @@
+"""The one decorator of every kernel, its flags and why, and where compiled kernels are kept.
+
+Flags
+-----
+error_model="numpy" : a division by zero gives inf instead of a branch; the branch would stop vectorization.
+nogil=True : a thread that solves does not hold up the others.
+fastmath : everything that lets the compiler fuse and reorder, but not ``nnan`` and ``ninf``, which would make
+    ``isfinite(nan)`` true.
+
+Cache
+-----
+Numba keys a cached kernel by the source of its own file, so an edit in one file would leave stale callers in
+another. The cache therefore lies in a folder named by a digest of everything a kernel can depend on: the
+sources of the package below the models. ``NUMBA_CACHE_DIR`` moves it; where nothing can be written, kernels
+are compiled anew in each process, and that is logged once.
+"""
+
+import hashlib
+import logging
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+
+__all__ = ["CACHE_FOLDER", "kernel", "ordered_kernel"]
+
+_log = logging.getLogger("ecm_fast")
+_FASTMATH = {"contract", "nsz", "arcp", "reassoc"}
+
+
+def _sources() -> list[Path]:
+    package = Path(__file__).resolve().parent.parent
+    return sorted(
+        path
+        for pattern in ("kernels/*.py", "effects/*.py", "mechanism.py", "parameters.py", "quantity.py")
+        for path in package.glob(pattern)
+    )
+
+
+def _user_cache() -> Path:
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches"
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
+
+
+def _cache_folder() -> Path | None:
+    """Return the writable folder for this very version of the kernels, or None."""
+    digest = hashlib.sha256(b"\0".join(path.read_bytes() for path in _sources())).hexdigest()[:16]
+    try:
+        base = Path(numba.config.CACHE_DIR) if numba.config.CACHE_DIR else _user_cache()
+        folder = base / "ecm_fast" / digest
+        folder.mkdir(parents=True, exist_ok=True)
+        if os.access(folder, os.W_OK | os.X_OK):
+            return folder
+    except (OSError, RuntimeError):  # RuntimeError: no home directory can be determined
+        pass
+    _log.warning("no folder for compiled kernels can be written; each process compiles anew. Set NUMBA_CACHE_DIR.")
+    return None
+
+
+CACHE_FOLDER = _cache_folder()
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """Compile `function` on first use, with the flags above, and keep the result in `CACHE_FOLDER`."""
+    return _compile(function, _FASTMATH)
+
+
+def ordered_kernel(function: Callable[..., Any]) -> Any:
+    """Compile as `kernel` does, for arithmetic whose order matters to the last digit: terms are only fused."""
+    return _compile(function, {"contract"})
+
+
+def _compile(function: Callable[..., Any], fastmath: set[str]) -> Any:
+    options: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": fastmath}
+    if CACHE_FOLDER is None:
+        return numba.njit(**options)(function)
+    # numba reads CACHE_DIR while it decorates; other packages' kernels keep their own place
+    before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(CACHE_FOLDER)
+    try:
+        return numba.njit(cache=True, **options)(function)
+    finally:
+        numba.config.CACHE_DIR = before

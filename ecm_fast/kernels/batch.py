@@ -1,0 +1,24 @@
+"""Many load cases, or many mechanisms, through the same solver."""
+
+from ._jit import kernel
+from .newton import solve
+from .prepare import prepare
+
+__all__ = ["solve_many"]
+
+
+@kernel
+def solve_many(basis, mesh, nodes, par, loads, system, out, status):
+    """Solve case after case, each from the unloaded state.
+
+    basis, mesh, nodes : the discretization, see `Discretization`
+    par : (1 or n, n_parameters)   one mechanism for all cases, or one for each
+    loads : (n, N_LOADS)
+    system : work arrays of one thread: stations, tip, q_rest, q, work
+    out : (n, N_OUT), status : (n,)   overwritten
+    """
+    stations, tip, q_rest, q, work = system
+    for i in range(loads.shape[0]):
+        if i < par.shape[0]:
+            prepare(par[i], mesh, nodes, stations, tip, q_rest)
+        status[i] = solve(basis, stations, tip, q_rest, loads[i], q, work, out[i])

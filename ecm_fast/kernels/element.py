@@ -1,0 +1,66 @@
+"""One Lagrange element of any order: its internal force less its dead load, and its tangent."""
+
+from ._jit import kernel
+from .layout import S_GA, S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
+from .section import section_law
+from .trig import sincos
+
+__all__ = ["element"]
+
+
+@kernel
+def element(basis, stations, gravity, q, res, K):
+    """Add one element's residual and tangent, [E1] and [E2] of `reference.element`.
+
+    basis : (2, n_gauss, n_a)       shape functions and their derivatives by xi in [0, 1], at the Gauss points
+    stations : (n_gauss, N_STATION) the element's Gauss points
+    gravity : share of the dead load
+    q : (3 n_a,)                    the element's x, z, theta, node by node [m, m, rad]
+    res : (3 n_a,), K : (3 n_a, 3 n_a)   added to; of K only the lower triangle
+    """
+    n_a = basis.shape[2]
+    for g in range(basis.shape[1]):
+        station = stations[g]
+        dx, dz, theta, dtheta = 0.0, 0.0, 0.0, 0.0
+        for a in range(n_a):
+            dx += basis[1, g, a] * q[3 * a]
+            dz += basis[1, g, a] * q[3 * a + 1]
+            theta += basis[0, g, a] * q[3 * a + 2]
+            dtheta += basis[1, g, a] * q[3 * a + 2]
+        inv_h, w = station[S_INV_H], station[S_WEIGHT]
+        s, c = sincos(theta)
+        gamma_x, gamma_z = inv_h * (dx * c - dz * s), inv_h * (dx * s + dz * c)
+        N, Q, M, N_g, N_k, M_k = section_law(station, gamma_x, gamma_z, inv_h * dtheta)
+
+        n_x, n_z = N * c + Q * s, Q * c - N * s
+        res_theta = w * (Q * gamma_x - N * gamma_z)
+        load_x, load_z = w * gravity * station[S_LOAD_X], w * gravity * station[S_LOAD_Z]
+
+        # the energy's second derivatives by (x', z', theta, theta'), times the weight
+        Q_g = station[S_GA]
+        h_xx, h_zz = w * (c * c * N_g + s * s * Q_g), w * (s * s * N_g + c * c * Q_g)
+        h_xz = w * s * c * (Q_g - N_g)
+        h_xt, h_zt = w * (s * Q_g * gamma_x - c * N_g * gamma_z + n_z), w * (c * Q_g * gamma_x + s * N_g * gamma_z - n_x)
+        h_tt = w * (N_g * gamma_z * gamma_z + Q_g * gamma_x * gamma_x - N * gamma_x - Q * gamma_z)
+        h_xk, h_zk, h_tk, h_kk = w * c * N_k, -w * s * N_k, -w * gamma_z * N_k, w * M_k
+
+        for a in range(n_a):
+            n, d = basis[0, g, a], inv_h * basis[1, g, a]
+            i = 3 * a
+            res[i] += w * d * n_x - n * load_x
+            res[i + 1] += w * d * n_z - n * load_z
+            res[i + 2] += n * res_theta + w * d * M
+            r_xt, r_zt = n * h_xt + d * h_xk, n * h_zt + d * h_zk
+            r_tt, r_tk = n * h_tt + d * h_tk, n * h_tk + d * h_kk
+            for b in range(a + 1):
+                n_b, d_b = basis[0, g, b], inv_h * basis[1, g, b]
+                j = 3 * b
+                K[i, j] += d * d_b * h_xx
+                K[i + 1, j] += d * d_b * h_xz
+                K[i, j + 1] += d * d_b * h_xz
+                K[i + 1, j + 1] += d * d_b * h_zz
+                K[i + 2, j] += d_b * r_xt
+                K[i + 2, j + 1] += d_b * r_zt
+                K[i, j + 2] += d * (n_b * h_xt + d_b * h_xk)
+                K[i + 1, j + 2] += d * (n_b * h_zt + d_b * h_zk)
+                K[i + 2, j + 2] += n_b * r_tt + d_b * r_tk

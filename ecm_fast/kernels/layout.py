@@ -1,0 +1,28 @@
+"""What the flat arrays of the kernels hold, column by column. No code.
+
+loads (6,)      what acts, in the order of `L_*`
+stations (n, S) one row per Gauss point: the section there, premultiplied (`S_*`)
+tip (T,)        everything that acts at the head plate (`T_*`)
+out (O,)        what a solve leaves (`O_*`)
+"""
+
+# fmt: off
+# status of a solve, best first; `model.Status` says what each means for a user
+CONVERGED, UNSTABLE, NOT_CONVERGED, TENDON_ZERO_LENGTH, NON_FINITE = range(5)
+
+# loads: tendon forces [N], dead wrench at Q [N, N, N m], share of gravity (1; load stepping lowers it)
+L_LAM_L, L_LAM_R, L_FX, L_FZ, L_TAU, L_GRAVITY, N_LOADS = range(7)
+
+# stations: quadrature weight [m], 1/element length [1/m], EA, GA, EI, curvature as built [1/m],
+# neutral axis offset [m], axial law (0 neo-Hookean, 1 Hooke), dead load per length in x and z [N/m]
+(S_WEIGHT, S_INV_H, S_EA, S_GA, S_EI, S_KAPPA0, S_OFFSET, S_HOOKE, S_LOAD_X, S_LOAD_Z, N_STATION) = range(11)
+
+# tip: attachment of left and right tendon in the head frame [m], pulley centers [m], pulley radius [m],
+# center of mass in the head frame [m], head's weight in x and z [N], length of the beam [m]
+(T_ATTACH_LX, T_ATTACH_LZ, T_ATTACH_RX, T_ATTACH_RZ, T_PULLEY_LX, T_PULLEY_LZ, T_PULLEY_RX, T_PULLEY_RZ,
+ T_RADIUS, T_COM_X, T_COM_Z, T_WEIGHT_X, T_WEIGHT_Z, T_LENGTH, N_TIP) = range(15)
+
+# out: pose, Newton steps taken, last load factor reached on the stable branch, free length of the shorter tendon,
+# tangent stiffness at Q (lower triangle xx, zx, zz, tx, tz, tt)
+(O_X, O_Z, O_THETA, O_ITERATIONS, O_FACTOR, O_FREE_LENGTH, O_KXX, O_KZX, O_KZZ, O_KTX, O_KTZ, O_KTT, N_OUT) = range(13)
+# fmt: on

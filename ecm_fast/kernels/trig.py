@@ -1,0 +1,42 @@
+"""Sine and cosine as plain arithmetic, so that a loop over load cases can be vectorized.
+
+A call into the mathematics library is opaque to the vectorizer (numba's wheels carry no vector library).
+"""
+
+import numpy as np
+
+from ._jit import ordered_kernel
+
+__all__ = ["sincos"]
+
+_TWO_OVER_PI = 2.0 / np.pi
+# pi/2 in three parts of 33 bits and less (Cody & Waite 1980, section 8.1), so that n * part is exact for |n| < 2^20
+_HALF_PI_1 = 1.57079632673412561417e00
+_HALF_PI_2 = 6.07710050630396597660e-11
+_HALF_PI_3 = 2.02226624879595063154e-21
+_S3, _S5, _S7, _S9, _S11, _S13, _S15 = -1 / 6, 1 / 120, -1 / 5040, 1 / 362880, -1 / 39916800, 1 / 6227020800, -1 / 1307674368000  # fmt: skip
+_C4, _C6, _C8, _C10, _C12, _C14, _C16 = 1 / 24, -1 / 720, 1 / 40320, -1 / 3628800, 1 / 479001600, -1 / 87178291200, 1 / 20922789888000  # fmt: skip
+
+
+@ordered_kernel
+def sincos(t):
+    """Sine and cosine of `t`, to 2e-16 for |t| < 1e5.
+
+    t : [rad], real or complex (the range is reduced by the real part, so the complex step passes through)
+
+    Taylor series on |r| <= pi/4 after reduction by multiples of pi/2: the first term left out is below 5e-17.
+    Far outside the range, and for a non-finite angle, the result is not a sine; `newton` never steps that far.
+    """
+    n = np.rint(t.real * _TWO_OVER_PI)
+    r = ((t - n * _HALF_PI_1) - n * _HALF_PI_2) - n * _HALF_PI_3
+    r2 = r * r
+    s = r + r * r2 * (_S3 + r2 * (_S5 + r2 * (_S7 + r2 * (_S9 + r2 * (_S11 + r2 * (_S13 + r2 * _S15))))))
+    c = 1.0 - 0.5 * r2 + r2 * r2 * (_C4 + r2 * (_C6 + r2 * (_C8 + r2 * (_C10 + r2 * (_C12 + r2 * (_C14 + r2 * _C16))))))
+    # n mod 4 without integers, which would not vectorize on every machine: 0, 1, 2 or 3
+    quadrant = n - 4.0 * np.floor(0.25 * n)
+    odd = quadrant - 2.0 * np.floor(0.5 * quadrant)
+    sine = s if odd == 0.0 else c
+    cosine = c if odd == 0.0 else s
+    sine = -sine if quadrant >= 2.0 else sine
+    cosine = -cosine if (quadrant == 1.0) or (quadrant == 2.0) else cosine
+    return sine, cosine

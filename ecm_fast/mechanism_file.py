@@ -1,0 +1,113 @@
+"""Mechanism files: TOML, SI, radians; every key optional; what it cannot be is said in one line."""
+
+import os
+import tomllib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from .effects import CATALOGUE
+from .errors import InputError, did_you_mean
+from .files import write_whole
+from .mechanism import PRESETS, SECTIONS, Effects, Mechanism
+from .parameters import PARAMETERS
+from .quantity import Quantity
+
+__all__ = ["read_mechanism", "template", "write_mechanism"]
+
+
+def read_mechanism(path: str | os.PathLike[str]) -> Mechanism:
+    """Read a mechanism file.
+
+    Raises
+    ------
+    InputError : the file cannot be read, is not TOML, or holds a key or value that cannot be; one line with
+        file, key, value and what is allowed.
+    """
+    try:
+        content = tomllib.loads(Path(path).read_bytes().decode())
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: not a TOML file ({str(error).splitlines()[0]})") from None
+    try:
+        return _mechanism(content)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def _mechanism(content: dict[str, Any]) -> Mechanism:
+    tables = {**SECTIONS, "effects": Effects}
+    for key, value in content.items():
+        if key == "preset":
+            continue
+        if key not in tables:
+            raise InputError(f"unknown key {key!r}{did_you_mean(key, ['preset', *tables])}; allowed are "
+                             f"preset, {', '.join(tables)}")  # fmt: skip
+        if not isinstance(value, dict):
+            raise InputError(f"{key} = {value!r}: allowed is a table, written [{key}]")
+    mechanism = Mechanism.preset(_preset(content))
+    changes = {f"{section}.{name}": value for section, name, value in _entries(content)}
+    return mechanism.replace(**changes)
+
+
+def _preset(content: Mapping[str, Any]) -> str:
+    name = content.get("preset", "slender")
+    if not isinstance(name, str):
+        raise InputError(f"preset = {name!r}: allowed is {' or '.join(map(repr, PRESETS))}")
+    return name
+
+
+def _entries(content: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
+    """Yield (section, name, value) of every entry given, sub-tables of effects flattened."""
+    for section, cls in SECTIONS.items():
+        names = list(cls.__dataclass_fields__)
+        for name, value in content.get(section, {}).items():
+            if name not in names:
+                raise InputError(f"unknown key {section}.{name}{did_you_mean(name, names)}; allowed are "
+                                 f"{', '.join(names)}")  # fmt: skip
+            yield section, name, value
+    for name, value in content.get("effects", {}).items():
+        if name not in CATALOGUE:
+            raise InputError(f"unknown effect effects.{name}{did_you_mean(name, CATALOGUE)}; "
+                             "the command 'effects' lists them")  # fmt: skip
+        if not isinstance(value, dict):
+            yield "effects", CATALOGUE[name].size.name, value
+            continue
+        allowed = {entry.name.removeprefix(f"{name}."): entry.name for entry in CATALOGUE[name]}
+        for part, number in value.items():
+            if part not in allowed:
+                raise InputError(f"unknown key effects.{name}.{part}{did_you_mean(part, allowed)}; allowed are "
+                                 f"{', '.join(allowed)}")  # fmt: skip
+            yield "effects", allowed[part], number
+
+
+def write_mechanism(mechanism: Mechanism, path: str | os.PathLike[str]) -> None:
+    """Write every value of a mechanism, each with its unit and meaning; reading it gives the same mechanism."""
+    write_whole(path, _text(mechanism, {entry.key: entry for entry in PARAMETERS}, with_source=False))
+
+
+def template(preset: str = "slender") -> str:
+    """Return a mechanism file with a preset's values, commented with unit, meaning and where each comes from."""
+    entries = {entry.key: entry for entry in PARAMETERS} | PRESETS.get(preset, {})
+    return _text(Mechanism.preset(preset), entries, with_source=True)
+
+
+def _text(mechanism: Mechanism, entries: Mapping[str, Quantity], *, with_source: bool) -> str:
+    lines = ["# A mechanism of ecm-fast: SI units, angles in radians. Every key is optional."]
+    for section, cls in SECTIONS.items():
+        lines += ["", f"[{section}]"]
+        for name in cls.__dataclass_fields__:
+            entry, value = entries[f"{section}.{name}"], getattr(getattr(mechanism, section), name)
+            source = f" ({entry.status}: {entry.source})" if with_source else ""
+            unit = "" if entry.unit == "-" else f"[{entry.unit}] "
+            lines.append(f"{name} = {_literal(value)}  # {unit}{entry.meaning}{source}")
+    lines += ["", "[effects]  # absent means 0"]
+    for name, value in mechanism.effects.items():
+        entry = entries[f"effects.{name}"]
+        lines.append(f"{name} = {_literal(value)}  # [{entry.unit}] {entry.meaning}")
+    return "\n".join(lines) + "\n"
+
+
+def _literal(value: float | str) -> str:
+    return f'"{value}"' if isinstance(value, str) else repr(value)

@@ -1,0 +1,85 @@
+"""The flat parameter vector: every number of a mechanism, effects included, at a fixed place.
+
+Kernels take the vector; files, fits and reports use the names. To add a parameter, declare it in `mechanism`
+(or an effect in `effects`) and write its law in a kernel: the place in the vector follows from the declaration.
+"""
+
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError, did_you_mean
+from .mechanism import AXIAL_LAWS, EFFECT_QUANTITIES, SECTIONS, Effects, Mechanism
+from .quantity import Quantity
+
+__all__ = ["PARAMETERS", "find", "index", "pack", "unpack"]
+
+PARAMETERS: tuple[Quantity, ...] = (
+    *(item.metadata["quantity"] for section in SECTIONS.values() for item in fields(section)),
+    *EFFECT_QUANTITIES.values(),
+)
+"""The entries of the vector, in order."""
+
+_PLACE = {entry.key: place for place, entry in enumerate(PARAMETERS)}
+_SHORT: dict[str, list[str]] = {}
+for _entry in PARAMETERS:
+    _SHORT.setdefault(_entry.name, []).append(_entry.key)
+
+
+def find(name: str) -> Quantity:
+    """Return the entry called `name`, either ``EA`` or, in full, ``beam.EA``.
+
+    Raises
+    ------
+    InputError : no such name (with the nearest one), or a short name that two sections share.
+    """
+    if name in _PLACE:
+        return PARAMETERS[_PLACE[name]]
+    keys = _SHORT.get(name, [])
+    if len(keys) == 1:
+        return PARAMETERS[_PLACE[keys[0]]]
+    if keys:
+        raise InputError(f"parameter {name!r} is ambiguous: say {' or '.join(keys)}")
+    raise InputError(f"no parameter is called {name!r}{did_you_mean(name, [*_SHORT, *_PLACE])}")
+
+
+def index(name: str) -> int:
+    """Return the place of a parameter in the vector."""
+    return _PLACE[find(name).key]
+
+
+def pack(mechanism: Mechanism) -> NDArray[np.float64]:
+    """Return the parameter vector of a mechanism, shape (n_parameters,)."""
+    par = np.array([entry.default for entry in PARAMETERS])
+    for section in SECTIONS:
+        part = getattr(mechanism, section)
+        for item in fields(part):
+            value: Any = getattr(part, item.name)
+            par[_PLACE[f"{section}.{item.name}"]] = AXIAL_LAWS.index(value) if isinstance(value, str) else value
+    for name, value in mechanism.effects.items():
+        par[_PLACE[f"effects.{name}"]] = value
+    return par
+
+
+def unpack(par: NDArray[np.float64]) -> Mechanism:
+    """Return the mechanism of a parameter vector; the inverse of `pack`, without loss.
+
+    Raises
+    ------
+    InputError : wrong length, a value out of its bounds, or an axial law that is neither 0 nor 1.
+    """
+    vector = np.asarray(par, dtype=np.float64)
+    if vector.shape != (len(PARAMETERS),):
+        raise InputError(f"a parameter vector has shape ({len(PARAMETERS)},), not {vector.shape}")
+    values: dict[str, Any] = {entry.key: float(vector[place]) for place, entry in enumerate(PARAMETERS)}
+    law = values["beam.axial_law"]
+    if law not in (0.0, 1.0):
+        raise InputError(f"beam.axial_law = {law!r}: allowed is 0 ({AXIAL_LAWS[0]}) or 1 ({AXIAL_LAWS[1]})")
+    values["beam.axial_law"] = AXIAL_LAWS[int(law)]
+    parts = {
+        name: section(**{item.name: values[f"{name}.{item.name}"] for item in fields(section)})
+        for name, section in SECTIONS.items()
+    }
+    return Mechanism(**parts, effects=Effects({name: values[f"effects.{name}"] for name in EFFECT_QUANTITIES}))
