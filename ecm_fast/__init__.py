@@ -1,0 +1,50 @@
+"""Statics of a tendon-driven elastic continuum mechanism: the full nonlinear finite element model, fast.
+
+>>> import ecm_fast as ecm
+>>> model = ecm.FiniteElementModel(ecm.Mechanism.preset("slender"))
+>>> model.solve((40.0, 10.0)).stable
+True
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .data import Measurements, read_measurements
+    from .discretization import Discretization
+    from .effects import CATALOGUE, Effect
+    from .equilibrium import BatchResult, Equilibrium, Status
+    from .errors import EcmError, InputError, NotConverged
+    from .mechanism import Beam, Effects, Gravity, Head, Mechanism, Tendons
+    from .model import FiniteElementModel
+    from .parameters import PARAMETERS, pack, unpack
+    from .predict import Prediction, predict
+    from .quantity import Quantity
+
+_HOME = {
+    "data": ("Measurements", "read_measurements"),
+    "discretization": ("Discretization",),
+    "effects": ("CATALOGUE", "Effect"),
+    "equilibrium": ("BatchResult", "Equilibrium", "Status"),
+    "errors": ("EcmError", "InputError", "NotConverged"),
+    "mechanism": ("Beam", "Effects", "Gravity", "Head", "Mechanism", "Tendons"),
+    "model": ("FiniteElementModel",),
+    "parameters": ("PARAMETERS", "pack", "unpack"),
+    "predict": ("Prediction", "predict"),
+    "quantity": ("Quantity",),
+}
+_MODULE = {name: module for module, names in _HOME.items() for name in names}
+
+__version__ = "0.1.0"
+__all__ = [*_MODULE, "__version__"]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name on first use: the command line's help must not wait for the compiler."""
+    if name not in _MODULE:
+        raise AttributeError(f"module 'ecm_fast' has no attribute {name!r}")
+    return getattr(import_module(f".{_MODULE[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -122,8 +122,7 @@ def _follow(basis, stations, tip, q_rest, loads, q, work, out):
         return CONVERGED
     if out[O_FREE_LENGTH] < SHORT_TENDON * tip[T_LENGTH]:
         return TENDON_ZERO_LENGTH
-    critical = reached
-    if critical > 0.0 and _walk(basis, stations, tip, loads, q, work, out, critical, False) == 1.0:
+    if reached > 0.0 and _walk(basis, stations, tip, loads, q, work, out, reached, False) == 1.0:
         return UNSTABLE
     return NOT_CONVERGED
 
@@ -141,6 +140,7 @@ def _walk(basis, stations, tip, loads, q, work, out, start, stable):
     scaled, rest = work[3 * n : 3 * n + N_LOADS], work[3 * n + N_LOADS :]
     wanted = CONVERGED if stable else UNSTABLE
     reached, stride, stride_before = start, FIRST_LOAD_STEP, 0.0
+    free_length = out[O_FREE_LENGTH]
     last[:] = q
     for i in range(MAX_LOAD_STEPS):
         # the unloaded state itself may need solving: a beam cast with a curvature
@@ -155,7 +155,7 @@ def _walk(basis, stations, tip, loads, q, work, out, start, stable):
             stride_before = factor - reached
             before[:] = last
             last[:] = q
-            reached = factor
+            reached, free_length = factor, out[O_FREE_LENGTH]
             if reached == 1.0:
                 break
             stride *= 1.5
@@ -164,4 +164,5 @@ def _walk(basis, stations, tip, loads, q, work, out, start, stable):
             if stride < LAST_LOAD_STEP or (i == 0 and start == 0.0):
                 break
     q[:] = last
+    out[O_FREE_LENGTH] = free_length
     return reached

@@ -1,0 +1,48 @@
+"""Derivatives of the tip pose by the loads, from the factor that Newton's step leaves."""
+
+import numpy as np
+
+from ._jit import kernel
+from .front import newton_step
+from .tip import tendon_directions
+from .trig import sincos
+
+__all__ = ["tip_derivatives"]
+
+
+@kernel
+def tip_derivatives(basis, stations, tip, loads, q, work, step, compliance, jacobian):
+    """Derivative of the tip pose by a wrench at Q and by the tendon forces, at an equilibrium `q`.
+
+    basis, stations, tip, loads, q, work, step : as in `front.newton_step`
+    compliance : (3, 3)   overwritten: d(x, z, theta)/d(fx, fz, tau) [m/N, rad/N, ...]
+    jacobian : (3, 2)     overwritten: d(x, z, theta)/d(lam_l, lam_r) = compliance P, P the coupling matrix (40)
+
+    Implicit function theorem: K dq = d(loads), and the stiffness seen at the tip is all of K that the tip needs.
+    Returns the number of pivots that are not positive.
+    """
+    K = np.empty(6)
+    not_positive, _ = newton_step(basis, stations, tip, loads, q, work, step, K)
+    _invert3(K, compliance)
+    n = q.shape[0]
+    s, c = sincos(q[n - 1])
+    e_lx, e_lz, _, e_rx, e_rz, _, l_x, l_z, r_x, r_z = tendon_directions(tip, q[n - 3], q[n - 2], s, c)
+    tau_l, tau_r = l_z * e_lx - l_x * e_lz, r_z * e_rx - r_x * e_rz
+    for i in range(3):
+        jacobian[i, 0] = compliance[i, 0] * e_lx + compliance[i, 1] * e_lz + compliance[i, 2] * tau_l
+        jacobian[i, 1] = compliance[i, 0] * e_rx + compliance[i, 1] * e_rz + compliance[i, 2] * tau_r
+    return not_positive
+
+
+@kernel
+def _invert3(lower, inverse):
+    """Invert a symmetric 3 x 3 matrix given by its lower triangle (6,)."""
+    a, b, d, c, e, f = lower[0], lower[1], lower[2], lower[3], lower[4], lower[5]
+    cof_a, cof_b, cof_c = d * f - e * e, c * e - b * f, b * e - c * d
+    inv = 1.0 / (a * cof_a + b * cof_b + c * cof_c)
+    inverse[0, 0] = cof_a * inv
+    inverse[1, 0] = inverse[0, 1] = cof_b * inv
+    inverse[2, 0] = inverse[0, 2] = cof_c * inv
+    inverse[1, 1] = (a * f - c * c) * inv
+    inverse[2, 1] = inverse[1, 2] = (b * c - a * e) * inv
+    inverse[2, 2] = (a * d - b * b) * inv

@@ -1,0 +1,180 @@
+"""The finite element model of a mechanism: a thin shell over the kernels."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .discretization import Discretization
+from .equilibrium import BatchResult, Equilibrium, Status
+from .errors import InputError
+from .kernels.batch import solve_many
+from .kernels.layout import (
+    L_FX,
+    L_GRAVITY,
+    N_LOADS,
+    N_OUT,
+    N_STATION,
+    N_TIP,
+    O_FACTOR,
+    O_ITERATIONS,
+    O_THETA,
+    O_X,
+    O_Z,
+)
+from .kernels.newton import solve, solve_work_size
+from .kernels.prepare import prepare
+from .kernels.sensitivity import tip_derivatives
+from .mechanism import Mechanism
+from .parameters import PARAMETERS, pack
+
+__all__ = ["FiniteElementModel"]
+
+Array = NDArray[np.float64]
+
+
+class FiniteElementModel:
+    """Statics of a neck: from tendon forces and a dead wrench at Q to the pose of the tip.
+
+    Parameters
+    ----------
+    mechanism : what is built
+    elements : how many elements, or their relative lengths from the clamp; default one
+    order : of the Lagrange shape functions, 1 to 6
+    gauss : Gauss points per element; default as many as the order, which neither locks nor wastes
+
+    Notes
+    -----
+    The defaults, one element of order 6, leave an error below 1e-8 of the length wherever the neck of the paper can
+    be driven by its tendons. ``elements=20, order=1`` is the paper's discretization.
+
+    A model is immutable in use but owns work arrays: each thread needs its own.
+
+    Examples
+    --------
+    >>> model = FiniteElementModel(Mechanism.preset("slender"))
+    >>> eq = model.solve((40.0, 10.0))
+    >>> eq.stable
+    True
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism | None = None,
+        elements: int | ArrayLike = 1,
+        order: int = 6,
+        gauss: int | None = None,
+    ) -> None:
+        self.mechanism = Mechanism() if mechanism is None else mechanism
+        self.discretization = Discretization.of(elements, order, gauss)
+        self._par = pack(self.mechanism)
+        self._system = _work_arrays(self.discretization)
+        stations, tip, q_rest, _, _ = self._system
+        prepare(self._par, self.discretization.mesh, self.discretization.nodes, stations, tip, q_rest)
+
+    def solve(self, lam: ArrayLike = (0.0, 0.0), wrench: ArrayLike = (0.0, 0.0, 0.0)) -> Equilibrium:
+        """Return the equilibrium on the stable branch that grows from the unloaded state.
+
+        Parameters
+        ----------
+        lam : (2,) tendon forces left, right, >= 0 [N]
+        wrench : (3,) dead wrench at Q in world axes: fx, fz [N], tau [N m]
+
+        Raises
+        ------
+        InputError : a shape is wrong, or a number is not finite or negative where it may not be.
+        """
+        loads = _loads(np.asarray(lam, dtype=np.float64)[None], np.asarray(wrench, dtype=np.float64)[None])
+        bad = ~np.isfinite(loads[0])
+        if bad.any():
+            name = ("lam_l", "lam_r", "fx", "fz", "tau", "gravity")[int(np.argmax(bad))]
+            raise InputError(f"{name} = {loads[0][bad][0]}: allowed is a finite number")
+        stations, tip, q_rest, q, work = self._system
+        basis, out = self.discretization.basis, np.empty(N_OUT)
+        status = Status(solve(basis, stations, tip, q_rest, loads[0], q, work, out))
+        compliance, jacobian = np.full((3, 3), np.nan), np.full((3, 2), np.nan)
+        pose = np.full(3, np.nan)
+        if status.converged:
+            pose = out[[O_X, O_Z, O_THETA]]
+            n = q.size
+            tip_derivatives(basis, stations, tip, loads[0], q, work[3 * n + N_LOADS :], work[:n], compliance, jacobian)
+        return Equilibrium(
+            *(float(value) for value in pose),
+            status,
+            int(out[O_ITERATIONS]),
+            float(out[O_FACTOR]),
+            jacobian,
+            compliance,
+            q.copy(),
+            self.discretization,
+        )
+
+    def solve_batch(
+        self,
+        lam: ArrayLike,
+        wrench: ArrayLike | None = None,
+        *,
+        parameters: ArrayLike | None = None,
+        threads: int = 1,
+    ) -> BatchResult:
+        """Solve many cases, each as `solve` does; a case that fails has its status and a pose of nan.
+
+        Parameters
+        ----------
+        lam : (n, 2) tendon forces [N]
+        wrench : (n, 3) dead wrenches at Q [N, N, N m]; default none
+        parameters : (n, n_parameters) a parameter vector for each case instead of the model's mechanism
+        threads : how many threads share the cases
+
+        Raises
+        ------
+        InputError : a shape is wrong, or a tendon force is negative; names the row.
+        """
+        tensions = np.atleast_2d(np.asarray(lam, dtype=np.float64))
+        loads = _loads(tensions, np.zeros((len(tensions), 3)) if wrench is None else np.atleast_2d(np.asarray(wrench)))
+        par = self._par[None] if parameters is None else np.ascontiguousarray(parameters, dtype=np.float64)
+        n = len(loads)
+        if parameters is not None and par.shape != (n, len(PARAMETERS)):
+            raise InputError(f"parameters has shape {par.shape}: allowed is ({n}, {len(PARAMETERS)})")
+        out, status = np.empty((n, N_OUT)), np.empty(n, dtype=np.int64)
+        mesh = self.discretization
+
+        def part(rows: slice) -> None:
+            own = par if parameters is None else par[rows]
+            solve_many(mesh.basis, mesh.mesh, mesh.nodes, own, loads[rows], _work_arrays(mesh), out[rows], status[rows])
+
+        share = max(1, -(-n // max(1, threads)))
+        chunks = [slice(first, min(n, first + share)) for first in range(0, n, share)]
+        if len(chunks) > 1:
+            with ThreadPoolExecutor(len(chunks)) as pool:
+                list(pool.map(part, chunks))
+        elif chunks:
+            part(chunks[0])
+        pose = np.where(np.isin(status, (Status.CONVERGED, Status.UNSTABLE)), out[:, [O_X, O_Z, O_THETA]].T, np.nan)
+        return BatchResult(*pose, status, out[:, O_ITERATIONS].astype(np.int64), out[:, O_FACTOR])
+
+    def __repr__(self) -> str:
+        mesh = self.discretization
+        return f"FiniteElementModel({mesh.n_elements} element(s) of order {mesh.order}, {mesh.gauss} Gauss points each)"
+
+
+def _work_arrays(mesh: Discretization) -> tuple[Array, Array, Array, Array, Array]:
+    """Return stations, tip, q_rest, q and the work space of one thread."""
+    n = 3 * mesh.nodes.size
+    work = np.zeros(solve_work_size(mesh.nodes.size, mesh.n_elements, mesh.order))
+    return np.empty((len(mesh.mesh), N_STATION)), np.empty(N_TIP), np.empty(n), np.empty(n), work
+
+
+def _loads(lam: Array, wrench: Array) -> Array:
+    """Return the kernels' load rows, (n, N_LOADS), or raise where they cannot be meant."""
+    if lam.ndim != 2 or lam.shape[1] != 2:
+        raise InputError(f"tendon forces have shape {lam.shape}: allowed is two, left and right, a case")
+    if wrench.shape != (len(lam), 3):
+        raise InputError(f"wrenches have shape {wrench.shape}: allowed is ({len(lam)}, 3): fx, fz, tau a case")
+    negative = lam < 0.0
+    if negative.any():
+        row, side = np.argwhere(negative)[0]
+        raise InputError(f"lam_{'lr'[side]} = {lam[row, side]} N in row {row}: allowed is >= 0, a tendon only pulls")
+    loads = np.empty((len(lam), N_LOADS))
+    loads[:, :L_FX], loads[:, L_FX:L_GRAVITY], loads[:, L_GRAVITY] = lam, wrench, 1.0
+    return loads

@@ -1,0 +1,37 @@
+"""The model in plain NumPy, dense and slow: each formula once, with its number in the paper.
+
+Same names as in `ecm_fast.kernels`, but written from the mechanism's named parameters, not from the arrays that
+`kernels.prepare` makes. It is the oracle of the tests and a yardstick of the benches; the package never imports it.
+All forces accept complex parameters and coordinates, so that the complex step differentiates them to rounding.
+
+`p` is a mapping from a parameter's key to its value, see `named`.
+"""
+
+from .assembly import energy, newton_step, residual, rest_coordinates, solve, tangent
+from .element import element_energy, element_force, element_tangent
+from .parameters import named
+from .section import axial_energy, axial_law, section_energy, section_law, section_stiffness, section_strains
+from .tip import tendon, tip_energy, tip_stiffness, tip_wrench
+
+__all__ = [
+    "axial_energy",
+    "axial_law",
+    "element_energy",
+    "element_force",
+    "element_tangent",
+    "energy",
+    "named",
+    "newton_step",
+    "residual",
+    "rest_coordinates",
+    "section_energy",
+    "section_law",
+    "section_stiffness",
+    "section_strains",
+    "solve",
+    "tangent",
+    "tendon",
+    "tip_energy",
+    "tip_stiffness",
+    "tip_wrench",
+]

@@ -1,0 +1,81 @@
+"""The whole beam: energy, residual, tangent, Newton's method, all dense."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ..discretization import Discretization
+from .element import element_energy, element_force, element_tangent
+from .parameters import Parameters
+from .tip import tip_energy, tip_stiffness, tip_wrench
+
+__all__ = ["energy", "newton_step", "residual", "rest_coordinates", "solve", "tangent"]
+
+
+def _elements(p: Parameters, mesh: Discretization) -> Iterator[tuple[Any, slice]]:
+    """Yield each element's length and the place of its coordinates in q, (30) and (31)."""
+    for e, share in enumerate(mesh.shares):
+        first = 3 * e * mesh.order
+        yield share * p["beam.length"], slice(first, first + 3 * (mesh.order + 1))
+
+
+def _weights(mesh: Discretization) -> Any:
+    return np.polynomial.legendre.leggauss(mesh.gauss)[1] / 2.0
+
+
+def rest_coordinates(p: Parameters, mesh: Discretization) -> Any:
+    """Coordinates of the straight beam in its clamp, (3 n_nodes,)."""
+    tilt = p["effects.clamp_tilt"]
+    q = np.empty(3 * mesh.nodes.size, dtype=np.result_type(*p.values(), float))
+    s = mesh.nodes * p["beam.length"]
+    q[0::3], q[1::3], q[2::3] = s * np.cos(tilt), -s * np.sin(tilt), tilt
+    return q
+
+
+def energy(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
+    """Energy of the whole system [N m]: equilibria are where it is stationary, stable where it is least."""
+    total = tip_energy(p, loads, q[-3:])
+    for h, place in _elements(p, mesh):
+        total = total + element_energy(p, mesh.basis, _weights(mesh), h, q[place], loads[5])
+    return total
+
+
+def residual(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
+    """[A0] Gradient of the energy, (3 n_nodes,): minus the bracket of (41). The clamped node's rows are reactions."""
+    total = np.zeros(q.size, dtype=np.result_type(q, *p.values(), float))
+    for h, place in _elements(p, mesh):
+        total[place] += element_force(p, mesh.basis, _weights(mesh), h, q[place], loads[5])
+    total[-3:] -= tip_wrench(p, loads, q[-3:])
+    return total
+
+
+def tangent(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
+    """Derivative of the residual by q, (3 n_nodes, 3 n_nodes), symmetric."""
+    K = np.zeros((q.size, q.size))
+    for h, place in _elements(p, mesh):
+        K[place, place] += element_tangent(p, mesh.basis, _weights(mesh), h, q[place])
+    K[-3:, -3:] += tip_stiffness(p, loads, q[-3:])
+    return K
+
+
+def newton_step(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
+    """[A1] Newton's step for (41), (3 n_nodes,), with the clamped node held."""
+    step = np.zeros(q.size)
+    step[3:] = -np.linalg.solve(tangent(p, mesh, loads, q)[3:, 3:], residual(p, mesh, loads, q)[3:])
+    return step
+
+
+def solve(p: Parameters, mesh: Discretization, loads: Any, load_steps: int = 1) -> tuple[Any, int]:
+    """Equilibrium by Newton's method from the unloaded state; returns q and how many steps were taken.
+
+    Plain on purpose: no globalization, no verdict on stability.
+    """
+    q, taken = rest_coordinates(p, mesh), 0
+    for factor in np.linspace(0.0, 1.0, load_steps + 1)[1:]:
+        for _ in range(50):
+            step = newton_step(p, mesh, factor * np.asarray(loads), q)
+            q, taken = q + step, taken + 1
+            if np.abs(step).max() < 1e-9:
+                break
+    return q, taken

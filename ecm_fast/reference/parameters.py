@@ -1,0 +1,28 @@
+"""The parameter vector by name."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..parameters import PARAMETERS
+
+__all__ = ["Parameters", "gravity", "named"]
+
+Parameters = Mapping[str, Any]
+
+
+def named(par: Any) -> Parameters:
+    """Return a parameter vector as a mapping from key to value."""
+    return {entry.key: par[place] for place, entry in enumerate(PARAMETERS)}
+
+
+def gravity(p: Parameters) -> Any:
+    """[G1] Acceleration of gravity, (2,) [m/s^2]: along -e_x, turned by the test bed's tilt.
+
+        g = -g (cos a, sin a)    in (x, z)
+
+    Source: the paper, (21), where a = 0.
+    """
+    tilt = p["effects.gravity_tilt"]
+    return -p["gravity.g"] * np.array([np.cos(tilt), np.sin(tilt)])
