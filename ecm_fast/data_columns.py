@@ -197,6 +197,6 @@ def _named(name: str, place: int) -> tuple[Column, str]:
         wrong = f"{_shown(unit)} is not a unit of {column.name}" if unit else "the unit is missing"
         raise InputError(f"column {_shown(name)}: {wrong}; allowed are {', '.join(column.names)}, or {ignore}")
     every = [allowed for column in COLUMNS.values() for allowed in column.names]
-    hint = did_you_mean(name[:60], every)
-    hint = hint or f" (known are {', '.join(column.names[0] for column in COLUMNS.values())})"
+    meant = next((allowed for allowed in every if allowed.lower() == name.lower()), name[:60])
+    hint = did_you_mean(meant, every) or f" (known are {', '.join(column.names[0] for column in COLUMNS.values())})"
     raise InputError(f"unknown column {_shown(name)}{hint}; {ignore}")

@@ -8,14 +8,14 @@ import os
 import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .data_columns import is_note
+from .data_columns import is_note, match
+from .data_mat import Unreadable, read_level5
 from .errors import InputError
 
 __all__ = ["Table", "read_table", "table_of"]
@@ -51,32 +51,32 @@ def read_table(path: str | os.PathLike[str]) -> Table:
             if reader is None:
                 raise InputError(f"file type {target.suffix!r} is not known; allowed are {', '.join(_READERS)}")
             content = stream.read()
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})") from None
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"cannot be read ({error})") from None
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:  # a ValueError is a path with a NUL in it
+        raise InputError(f"cannot be read ({getattr(error, 'strerror', None) or error})") from None
     return reader(content, target)
 
 
 def table_of(columns: Mapping[str, Any]) -> Table:
     """Return a table of vectors that are in memory or come from MATLAB, where nan is the only blank of a number."""
-    cells = [(name, _cells(name, value)) for name, value in columns.items() if not is_note(name)]
+    named = {name: value for name, value in columns.items() if not is_note(name)}
+    match(named)  # of an unknown matrix the user should hear that it is unknown, not that it is no vector
+    cells = [(name, _cells(name, value)) for name, value in named.items()]
     for name, column in cells:
         if len(column) != len(cells[0][1]):
             raise InputError(f"{cells[0][0]} has {len(cells[0][1])} entries, {name} has {len(column)}; "
                              "all columns are equally long")  # fmt: skip
-    return Table(cells, range(1, len(cells[0][1]) + 1 if cells else 1), "row")
+    return Table(cells, range(1, len(cells[0][1]) + 1), "row")
 
 
 def _cells(name: str, value: Any) -> list[object]:
     if not isinstance(value, (list, tuple)):
         array = np.asarray(value)
         if array.size != max(array.shape, default=1) or array.dtype.kind not in "biufUO":
-            shape = " x ".join(map(str, array.shape)) or "single"
-            raise InputError(f"{name} is a {shape} array of type {array.dtype.name}; "
-                             "allowed is a vector of real numbers or text")  # fmt: skip
+            shape = " x ".join(map(str, array.shape))
+            raise InputError(f"{name} is {array.dtype.name} of shape {shape}; allowed is a vector of real numbers "
+                             "or text")  # fmt: skip
         value = array.ravel().tolist()
     return [_cell(item) for item in value]
 
@@ -159,40 +159,42 @@ def _read_parquet(content: bytes, _: Path) -> Table:
 
 
 def _read_mat(content: bytes, path: Path) -> Table:
-    scipy_io = importlib.import_module("scipy.io")
-    try:
-        with _doubts_are_errors():
-            found = scipy_io.loadmat(io.BytesIO(content), simplify_cells=True)
-    except NotImplementedError:  # scipy's word for version 7.3, which is HDF5
+    if content.startswith(b"MATLAB") and content[124:128] == b"\0\2IM":
         found = _read_mat73(path)
-    except Exception as error:  # a damaged file makes it raise anything
-        raise InputError(f"not a readable MATLAB file ({_reason(error)})") from None
+    else:
+        try:
+            found = read_level5(content)
+        except Exception as error:  # a damaged file makes it raise anything
+            raise InputError(f"not a readable MATLAB file ({_reason(error)})") from None
     named = {name: value for name, value in found.items() if not name.startswith(("__", "#")) and not is_note(name)}
-    if len(named) == 1 and isinstance(struct := next(iter(named.values())), dict):
-        named = struct
+    if len(named) == 1:
+        named = _fields(next(iter(named.values()))) or named
     for name, value in named.items():
-        if type(value).__name__ in ("MatlabOpaque", "MatlabObject", "MatlabFunction"):
-            raise InputError(f"{name} is a MATLAB object; save vectors, or a table T as table2struct(T, "
-                             "'ToScalar', true), text as cellstr")  # fmt: skip
+        if isinstance(value, Unreadable) or _fields(value):
+            kind = value.kind if isinstance(value, Unreadable) else "a struct beside others"
+            raise InputError(f"{name} is {kind}; save vectors or one struct alone (of a table T: "
+                             "table2struct(T, 'ToScalar', true)), and text as cellstr")  # fmt: skip
     return table_of(named)
 
 
 def _read_mat73(path: Path) -> dict[str, Any]:
     reader = _optional("pymatreader", "a MATLAB file of version 7.3 (or save it with -v7)")
     try:
-        with _doubts_are_errors():
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            warnings.simplefilter("error", UserWarning)  # its word for a class it cannot read
             return dict(sorted(reader.read_mat(str(path)).items()))  # its own order changes from run to run
     except Exception as error:  # a damaged file makes it raise anything
         raise InputError(f"not a readable MATLAB 7.3 file ({_reason(error)})") from None
 
 
-@contextmanager
-def _doubts_are_errors() -> Iterator[None]:
-    """Make a library's warning about a file an error: a variable that is there twice, a class it cannot read."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        warnings.simplefilter("error", UserWarning)
-        yield
+def _fields(value: Any) -> dict[str, Any]:
+    """Return the columns of a struct, or of a struct array with one record a row; nothing for anything else."""
+    if isinstance(value, dict):
+        return value
+    if not isinstance(value, list) or not all(isinstance(record, dict) for record in value):
+        return {}
+    return {name: [record.get(name) for record in value] for record in value[:1] for name in record}
 
 
 def _optional(module: str, what: str) -> Any:

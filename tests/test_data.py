@@ -1,0 +1,300 @@
+"""Measurement files: every number and every text below was worked out by hand."""
+
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ecm_fast.data import Measurements, read_measurements
+from ecm_fast.data_columns import COLUMNS
+from ecm_fast.errors import InputError
+
+GOOD = "lam_l_N,lam_r_N,x_mm,z_mm,theta_deg\n40,10,98.5,-12.25,18\n0,0,109,0,0\n"
+
+
+@pytest.fixture
+def read(tmp_path: Path) -> Any:
+    """Return a function that reads `content` from a file; errors lose the path, which must lead them."""
+
+    def _read(content: str | bytes, name: str = "run.csv") -> Measurements:
+        path = tmp_path / name
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        return read_measurements(path)
+
+    return _read
+
+
+@pytest.fixture
+def refused(read: Any, tmp_path: Path) -> Any:
+    def _refused(content: str | bytes, name: str = "run.csv") -> str:
+        with pytest.raises(InputError) as caught:
+            read(content, name)
+        text = str(caught.value)
+        assert text.startswith(f"{tmp_path / name}: ")
+        assert len(text.splitlines()) == 1
+        return text.removeprefix(f"{tmp_path / name}: ")
+
+    return _refused
+
+
+def test_the_fields_are_the_declared_columns() -> None:
+    names = [entry.name for entry in fields(Measurements)]
+    assert names == [*COLUMNS, "rows", "columns", "source", "counted"]
+
+
+def test_a_file_in_millimeters_and_degrees(read: Any, tmp_path: Path) -> None:
+    run = read(GOOD)
+    assert run.lam.tolist() == [[40.0, 10.0], [0.0, 0.0]]
+    assert run.pose.tolist() == [[0.0985, -0.01225, np.pi / 10], [0.109, 0.0, 0.0]]
+    assert run.wrench.tolist() == [[0.0] * 3] * 2
+    assert run.measured.all()
+    assert run.extra_mass.tolist() == run.tilt.tolist() == [0.0, 0.0]
+    assert np.isnan([run.t, run.dwell, run.sigma_x, run.sigma_z, run.sigma_theta, run.sigma_lam]).all()
+    assert run.experiment.tolist() == run.pose_id.tolist() == run.session.tolist() == ["", ""]
+    assert run.columns == ("lam_l_N", "lam_r_N", "x_mm", "z_mm", "theta_deg")
+    assert run.source == str(tmp_path / "run.csv")
+    assert run.rows.tolist() == [2, 3]
+    assert run.where(1) == f"{tmp_path / 'run.csv'}: line 3"
+    assert run.n == len(run) == 2
+
+
+@pytest.mark.parametrize(
+    ("column", "cell", "si"),
+    [
+        ("lam_l_kN", "0.16", 160.0),
+        ("lam_l_mN", "2500", 2.5),
+        ("fx_N", "-3", -3.0),
+        ("fz_kN", "1e-3", 1.0),
+        ("tau_Nm", "+1.5", 1.5),
+        ("tau_Nmm", "-250", -0.25),
+        ("tau_kNm", "0.011", 11.0),
+        ("x_m", ".109", 0.109),
+        ("x_cm", "10.9", 0.109),
+        ("x_mm", "109", 0.109),
+        ("x_um", "109000", 0.109),
+        ("z_m", "-1.", -1.0),
+        ("theta_mrad", "200", 0.2),
+        ("theta_deg", "90", np.pi / 2),
+        ("t_s", "-4", -4.0),
+        ("t_ms", "1500", 1.5),
+        ("t_min", "2", 120.0),
+        ("t_h", "0.5", 1800.0),
+        ("dwell_min", "0.5", 30.0),
+        ("extra_mass_kg", "0.2", 0.2),
+        ("extra_mass_g", "200", 0.2),
+        ("tilt_deg", "180", np.pi),
+        ("sigma_x_mm", "0.1", 0.0001),
+        ("sigma_theta_mrad", "1", 0.001),
+        ("sigma_lam_N", "0", 0.0),
+    ],
+)
+def test_a_unit_is_converted(read: Any, column: str, cell: str, si: float) -> None:
+    other = "lam_r_N" if column != "lam_r_N" else "lam_l_N"
+    run = read(f"{column},{other}\n{cell},1\n")
+    assert getattr(run, column.rsplit("_", 1)[0]).tolist() == [si]
+
+
+def test_blanks_are_kept_as_missing_and_the_order_of_rows_too(read: Any) -> None:
+    run = read("t_s,lam_l_N,x_mm,z_mm,experiment,pose_id,session\n9,3,,1,shear,b,2\n1,2,  ,,,,\n5,1,4,2, a b ,a,1.0\n")
+    assert run.lam_l.tolist() == [3.0, 2.0, 1.0]
+    assert run.t.tolist() == [9.0, 1.0, 5.0]
+    assert run.measured.tolist() == [[False, True, False], [False, False, False], [True, True, False]]
+    assert run.experiment.tolist() == ["shear", "", "a b"]
+    assert run.pose_id.tolist() == ["b", "", "a"]
+    assert run.session.tolist() == ["2", "", "1.0"]
+
+
+def test_what_spreadsheets_and_editors_do_to_a_file_is_harmless(read: Any) -> None:
+    plain = read(GOOD)
+    quoted = '\ufeff# rig 3, "cold"\r\n\r\n"lam_l_N", lam_r_N ,x_mm,z_mm,theta_deg\r\n"40", 10,98.5,-12.25,18\r\n\r\n'
+    run = read(quoted + ",,,,\r\n0,0,109,0,0")
+    assert run.pose.tolist() == plain.pose.tolist()
+    assert run.rows.tolist() == [4, 7]
+    for delimiter in ";\t":
+        assert read(GOOD.replace(",", delimiter)).pose.tolist() == plain.pose.tolist()
+    assert read(GOOD.replace("\n", "\r")).rows.tolist() == [2, 3]
+    assert read(GOOD, "RUN.TXT").lam.tolist() == plain.lam.tolist()
+
+
+def test_a_record_counts_from_its_first_line(read: Any) -> None:
+    assert read('lam_l_N,note_weather\n1,"cold\nand wet"\n2,\n').rows.tolist() == [2, 4]
+
+
+def test_notes_are_ignored(read: Any) -> None:
+    run = read("lam_l_N,Notes,note_x_mm\n1,nan,abc\n")
+    assert run.columns == ("lam_l_N",)
+    assert np.isnan(run.x).all()
+
+
+def test_a_selection_keeps_its_places(read: Any) -> None:
+    run = read("lam_l_N,experiment\n1,shear\n2,tendon\n3,shear\n")
+    shear = run.select(run.experiment == "shear")
+    assert shear.lam_l.tolist() == [1.0, 3.0]
+    assert shear.rows.tolist() == [2, 4]
+    assert run.select([2, 0, 2]).lam_l.tolist() == [3.0, 1.0, 3.0]
+    assert run.select([]).n == 0
+    assert run.lam_l.tolist() == [1.0, 2.0, 3.0]
+    with pytest.raises(InputError, match=r"run\.csv: cannot select these rows \(boolean index did not match"):
+        run.select([True, False])
+    with pytest.raises(InputError, match=r"cannot select these rows \(index 3 is out of bounds"):
+        run.select([3])
+    with pytest.raises(InputError, match=r"shape \(1, 2\); allowed is a mask of shape \(3,\) or a list of indices"):
+        run.select([[0, 1]])
+
+
+def test_the_arrays_cannot_be_changed_by_accident(read: Any) -> None:
+    run = read(GOOD)
+    with pytest.raises(ValueError, match="read-only"):
+        run.x[0] = 1.0
+    run.lam[0] = 1.0  # made anew each time, so the caller may do what they like
+    assert run.lam_l.tolist() == [40.0, 0.0]
+
+
+def test_repr(read: Any, tmp_path: Path) -> None:
+    run = read("lam_l_N,x_mm,z_mm,theta_deg\n1,1,1,1\n2,1,1,\n")
+    path = tmp_path / "run.csv"
+    assert repr(run) == f"<Measurements {path}: 2 rows, 1 with a whole pose; lam_l_N, x_mm, z_mm, theta_deg>"
+
+
+@pytest.mark.parametrize(
+    ("header", "text"),
+    [
+        ("x", "column 'x': the unit is missing; allowed are x_m, x_cm, x_mm, x_um, or start its name with note_ to "
+              "have it ignored"),
+        ("x_inch", "column 'x_inch': 'inch' is not a unit of x; allowed are x_m, x_cm, x_mm, x_um, or start"),
+        ("lam_l_lbf", "column 'lam_l_lbf': 'lbf' is not a unit of lam_l; allowed are lam_l_N, lam_l_kN, lam_l_mN, or"),
+        ("sigma_x_deg", "'deg' is not a unit of sigma_x; allowed are sigma_x_m, sigma_x_cm, sigma_x_mm, sigma_x_um"),
+        ("lam_left_N", "unknown column 'lam_left_N' (did you mean 'lam_l_N'?); start its name with note_ to have it"),
+        ("X_mm", "unknown column 'X_mm' (did you mean 'x_mm'?); start its name"),
+        ("session_nr", "unknown column 'session_nr' (did you mean 'session'?); start its name"),
+        ("0815", "unknown column '0815' (known are lam_l_N, lam_r_N, fx_N, fz_N, tau_Nm, x_m,"),
+        ("x_mm,x_mm", "column 'x_mm' is there twice; keep one"),
+        ("x_mm,x_m", "columns x_mm and x_m give the same; keep one"),
+        ("experiment,t_s", "gives no load and no pose; at least one of the columns lam_l_N, lam_r_N, fx_N, fz_N, "
+                           "tau_Nm, extra_mass_kg, tilt_rad, x_m, z_m, theta_rad is needed"),
+        ("x_m,,z_m", "column 2 has no name; name it or delete it"),
+        ("x_m,z_m;theta_rad", "line 1: the column names are separated by comma, semicolon or tab, one of them "
+                              "throughout"),
+        ("x_m z_m", "line 1: the column names are separated by comma, semicolon or tab, one of them throughout"),
+        ("x_m", "names columns but holds no rows"),
+        ("", "is empty; the first line names the columns"),
+        ("# only a remark\n \n", "is empty; the first line names the columns"),
+    ],
+)  # fmt: skip
+def test_a_header_that_cannot_be(refused: Any, header: str, text: str) -> None:
+    assert refused(header).startswith(text) or f": {text}" in refused(header)
+
+
+@pytest.mark.parametrize(
+    ("column", "cell", "text"),
+    [
+        ("lam_l_N", "-3", "'-3' (allowed is a finite number >= 0)"),
+        ("lam_l_N", "", "blank (allowed is a finite number >= 0; write 0 for none)"),
+        ("tau_Nm", " ", "blank (allowed is a finite number; write 0 for none)"),
+        ("tilt_deg", "", "blank (allowed is a finite number; write 0 for none)"),
+        ("x_mm", "abc", "'abc' (allowed is a finite number, or a blank)"),
+        ("x_mm", "nan", "'nan' (allowed is a finite number, or a blank)"),
+        ("x_mm", "-inf", "'-inf' (allowed is a finite number, or a blank)"),
+        ("fx_N", "1e400", "'1e400' (allowed is a finite number)"),
+        ("fx_kN", "1e308", "'1e308' (allowed is a finite number)"),
+        ("fx_N", "1_000", "'1_000' (allowed is a finite number)"),
+        ("fx_N", "0x10", "'0x10' (allowed is a finite number)"),
+        ("fx_N", "\u0663", "'\u0663' (allowed is a finite number)"),
+        ("fx_N", '"1,5"', "'1,5' (allowed is a finite number; decimals are written with a point)"),
+        ("fx_N", '"4\n2"', "'4\\n2' (allowed is a finite number)"),
+        ("dwell_s", "-1", "'-1' (allowed is a finite number >= 0, or a blank)"),
+        ("extra_mass_g", "-1", "'-1' (allowed is a finite number >= 0)"),
+        ("sigma_theta_mrad", "-1", "'-1' (allowed is a finite number >= 0, or a blank)"),
+        ("fx_N", "x" * 50, f"'{'x' * 35} ... (allowed is a finite number)"),
+        ("session", "a\x07b", "'a\\x07b' (allowed is printable text of up to 100 characters, or a number)"),
+        ("session", "s" * 101, f"'{'s' * 35} ... (allowed is printable text of up to 100 characters, or a number)"),
+    ],
+)
+def test_a_cell_that_cannot_be(refused: Any, column: str, cell: str, text: str) -> None:
+    content = f"# rig 3\n{column},lam_r_N\n{'a' if column == 'session' else 1},1\n{cell},2\n"
+    assert refused(content) == f"line 4, column {column}: {text}"
+
+
+def test_five_bad_cells_are_shown_in_the_order_of_the_file(refused: Any) -> None:
+    text = refused("lam_l_N,x_mm\n1,a\n-1,b\n-2,c\n3,d\n4,e\n")
+    allowed, pose = "(allowed is a finite number >= 0)", "(allowed is a finite number, or a blank)"
+    assert text == (
+        f"7 bad cells: line 2, column x_mm: 'a' {pose}; line 3, column lam_l_N: '-1' {allowed}; "
+        f"line 3, column x_mm: 'b' {pose}; line 4, column lam_l_N: '-2' {allowed}; "
+        f"line 4, column x_mm: 'c' {pose}; and 2 more"
+    )
+
+
+@pytest.mark.parametrize(
+    ("content", "text"),
+    [
+        ("lam_l_N,lam_r_N\n1,2\n1,5,2\n", "line 3: has 3 cells, the header names 2 columns (decimals are written with "
+                                          "a point)"),
+        ("lam_l_N,lam_r_N\n1,2\n1\n", "line 3: has 1 cells, the header names 2 columns"),
+        ('lam_l_N,note\n1,"open\n2,\n', "line 3: unexpected end of data"),
+        ("lam_l_N,note\n1," + "y" * 200_000 + "\n", "line 2: field larger than field limit (131072)"),
+        (GOOD.encode("utf-16"), "is UTF-16 text; save it as CSV UTF-8"),
+        (GOOD.encode("utf-16-le"), "line 1: holds a NUL byte, so it is not UTF-8 text; save it as CSV UTF-8"),
+        ("lam_l_N\n1\n2\0\n", "line 3: holds a NUL byte, so it is not UTF-8 text; save it as CSV UTF-8"),
+        ("lam_l_N,theta_\xb0\n".encode("latin-1"), "line 1: byte 0xb0 is not UTF-8 text; save it as CSV UTF-8"),
+    ],
+)  # fmt: skip
+def test_a_file_that_cannot_be(refused: Any, content: str | bytes, text: str) -> None:
+    assert refused(content) == text
+
+
+def test_a_path_that_cannot_be(refused: Any, tmp_path: Path) -> None:
+    assert refused(GOOD, "run.xlsx") == "file type '.xlsx' is not known; allowed are .csv, .txt, .parquet, .mat"
+    for path, text in [
+        (tmp_path / "none.csv", "cannot be read (No such file or directory)"),
+        (tmp_path / "none.xlsx", "cannot be read (No such file or directory)"),
+        (tmp_path, "cannot be read (Is a directory)"),
+        (Path("a\0b.csv"), "cannot be read (embedded null byte)"),
+    ]:
+        with pytest.raises(InputError) as caught:
+            read_measurements(path)
+        assert str(caught.value) == f"{path}: {text}"
+
+
+def test_measurements_from_vectors_in_memory() -> None:
+    run = Measurements.from_columns(
+        {"lam_l_N": [1, np.float32(2.5)], "x_mm": np.array([[109.0], [np.nan]]), "pose_id": (7, 2.5), "note": None}
+    )
+    assert run.lam_l.tolist() == [1.0, 2.5]
+    assert run.x[0] == 0.109
+    assert run.measured[:, 0].tolist() == [True, False]
+    assert run.pose_id.tolist() == ["7", "2.5"]
+    assert (run.source, run.where(1)) == ("measurements", "measurements: row 2")
+
+
+@pytest.mark.parametrize(
+    ("columns", "text"),
+    [
+        ({"lam_l_N": [1.0], "x_m": [1.0, 2.0]}, "lam_l_N has 1 entries, x_m has 2; all columns are equally long"),
+        ({"lam_l_N": np.ones((2, 3))}, "lam_l_N is float64 of shape 2 x 3; allowed is a vector of real numbers or"),
+        ({"x_m": np.array([1j, 2])}, "x_m is complex128 of shape 2; allowed is a vector of real numbers or text"),
+        ({"t_s": np.array(["2026-01-01"], "M8[ns]"), "x_m": [1]}, "t_s is datetime64[ns] of shape 1; allowed is a "
+                                                                  "vector of real numbers or text"),
+        ({"raw": np.ones((2, 3))}, "unknown column 'raw' (known are lam_l_N, "),
+        ({"x_m": [True]}, "row 1, column x_m: True (allowed is a finite number, or a blank)"),
+        ({"x_m": [10**400]}, "row 1, column x_m: 100000000000000000000000000000000000 ... (allowed is a finite number"),
+        ({"x_m": [1], "session": [float("inf")]}, "row 1, column session: inf (allowed is printable text"),
+        ({"x_m": []}, "names columns but holds no rows"),
+        ({}, "gives no load and no pose; at least one of"),
+    ],
+)  # fmt: skip
+def test_vectors_that_cannot_be(columns: dict[str, Any], text: str) -> None:
+    with pytest.raises(InputError) as caught:
+        Measurements.from_columns(columns, source="trial")
+    assert str(caught.value).startswith(f"trial: {text}")
+
+
+def test_30000_rows(read: Any) -> None:
+    rows = "".join(f"{i},{30000 - i},{i / 7!r},-1e-3,18,tendon\n" for i in range(30000))
+    run = read("lam_l_N,lam_r_N,x_mm,z_mm,theta_deg,experiment\n" + rows)
+    assert run.n == 30000
+    assert run.lam[12345].tolist() == [12345.0, 17655.0]
+    assert run.x[700] == 0.1
+    assert run.rows[-1] == 30001
