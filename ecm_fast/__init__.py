@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .mechanism import Beam, Effects, Gravity, Head, Mechanism, Tendons
     from .model import FiniteElementModel
     from .parameters import PARAMETERS, pack, unpack
-    from .predict import Prediction, predict
+    from .prediction import Prediction, predict
     from .quantity import Quantity
 
 _HOME = {
@@ -30,7 +30,7 @@ _HOME = {
     "mechanism": ("Beam", "Effects", "Gravity", "Head", "Mechanism", "Tendons"),
     "model": ("FiniteElementModel",),
     "parameters": ("PARAMETERS", "pack", "unpack"),
-    "predict": ("Prediction", "predict"),
+    "prediction": ("Prediction", "predict"),
     "quantity": ("Quantity",),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}

@@ -74,9 +74,25 @@ class Discretization:
 
     @cached_property
     def basis(self) -> NDArray[np.float64]:
-        """Shape functions and derivatives at the Gauss points, shape (2, gauss, order + 1)."""
+        """Shape functions and their derivatives at the Gauss points, shape (2, gauss, order + 1)."""
         points = 0.5 * (1.0 + np.polynomial.legendre.leggauss(self.gauss)[0])
         return lagrange(self.local_nodes, points)
+
+    @cached_property
+    def tables(self) -> NDArray[np.float64]:
+        """What the kernels need at the Gauss points: `basis` and `_lift`, shape (3, gauss, order + 1)."""
+        return np.concatenate([self.basis, self._lift[None]])
+
+    @cached_property
+    def _lift(self) -> NDArray[np.float64]:
+        """Integrals from 0 to each node of the polynomials that are 1 at one Gauss point, (gauss, order + 1).
+
+        They rebuild an element's positions from the slopes at its Gauss points, exactly. With more points than the
+        order no positions have arbitrary slopes there: then all zero.
+        """
+        if self.gauss != self.order:
+            return np.zeros((self.gauss, self.order + 1))
+        return self._integrals(self.local_nodes).T
 
     @cached_property
     def mesh(self) -> NDArray[np.float64]:
@@ -88,6 +104,18 @@ class Discretization:
         weight = share[:, None] * 0.5 * weights
         inverse = np.broadcast_to(1.0 / share[:, None], place.shape)
         return np.ascontiguousarray(np.stack([place, weight, inverse], axis=-1).reshape(-1, 3))
+
+
+    @cached_property
+    def turn(self) -> NDArray[np.float64]:
+        """Integrals from 0 to each Gauss point of the polynomials that are 1 at one Gauss point, (gauss, gauss)."""
+        return self._integrals(0.5 * (1.0 + np.polynomial.legendre.leggauss(self.gauss)[0]))
+
+    def _integrals(self, upper: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Integrals from 0 to `upper` of the polynomials that are 1 at one Gauss point, (len(upper), gauss)."""
+        points = 0.5 * (1.0 + np.polynomial.legendre.leggauss(self.gauss)[0])
+        degree = np.arange(1, self.gauss + 1)
+        return (upper[:, None] ** degree / degree) @ np.linalg.inv(np.vander(points, increasing=True))
 
 
 def lagrange(nodes: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:

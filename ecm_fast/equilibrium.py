@@ -22,7 +22,7 @@ class Status(IntEnum):
     UNSTABLE = layout.UNSTABLE
     NOT_CONVERGED = layout.NOT_CONVERGED
     TENDON_ZERO_LENGTH = layout.TENDON_ZERO_LENGTH
-    NON_FINITE = layout.NON_FINITE
+    INVALID_INPUT = layout.INVALID_INPUT
 
     @property
     def converged(self) -> bool:
@@ -41,7 +41,7 @@ _EXPLAINED = {
     "beyond which the neck snaps to another state; lower the load",
     Status.TENDON_ZERO_LENGTH: "no equilibrium: at {factor:.6g} of the load a tendon is pulled up to its pulley and "
     "has no length left; lower the load or move the pulley",
-    Status.NON_FINITE: "no equilibrium: a load is not a finite number",
+    Status.INVALID_INPUT: "no equilibrium: a load is not a finite number, or a tendon is told to push",
 }
 
 
@@ -126,7 +126,6 @@ class BatchResult:
     ----------
     x, z, theta : (n,) tip poses [m, m, rad]; nan unless converged
     status : (n,) values of `Status`
-    iterations : (n,)
     load_factor : (n,) see `Equilibrium`
     """
 
@@ -134,7 +133,6 @@ class BatchResult:
     z: Array
     theta: Array
     status: NDArray[np.int64]
-    iterations: NDArray[np.int64]
     load_factor: Array
 
     @property

@@ -25,7 +25,7 @@ from typing import Any
 
 import numba
 
-__all__ = ["CACHE_FOLDER", "kernel", "ordered_kernel"]
+__all__ = ["CACHE_FOLDER", "kernel", "ordered_kernel", "step_kernel"]
 
 _log = logging.getLogger("ecm_fast")
 _FASTMATH = {"contract", "nsz", "arcp", "reassoc"}
@@ -73,11 +73,16 @@ def kernel(function: Callable[..., Any]) -> Any:
 
 def ordered_kernel(function: Callable[..., Any]) -> Any:
     """Compile as `kernel` does, for arithmetic whose order matters to the last digit: terms are only fused."""
-    return _compile(function, {"contract"})
+    return _compile(function, {"contract"}, forceinline=True)
 
 
-def _compile(function: Callable[..., Any], fastmath: set[str]) -> Any:
-    options: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": fastmath}
+def step_kernel(function: Callable[..., Any]) -> Any:
+    """Compile as `kernel` does, and always inline: what is called inside a loop over cases must not stay a call."""
+    return _compile(function, _FASTMATH, forceinline=True)
+
+
+def _compile(function: Callable[..., Any], fastmath: set[str], *, forceinline: bool = False) -> Any:
+    options: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": fastmath, "forceinline": forceinline}
     if CACHE_FOLDER is None:
         return numba.njit(**options)(function)
     # numba reads CACHE_DIR while it decorates; other packages' kernels keep their own place

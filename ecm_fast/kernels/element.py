@@ -12,7 +12,8 @@ __all__ = ["element"]
 def element(basis, stations, gravity, q, res, K):
     """Add one element's residual and tangent, [E1] and [E2] of `reference.element`.
 
-    basis : (2, n_gauss, n_a)       shape functions and their derivatives by xi in [0, 1], at the Gauss points
+    basis : (3, n_gauss, n_a)       shape functions and their derivatives by xi in [0, 1], at the Gauss points; a third
+                                    table that only `newton.take` uses
     stations : (n_gauss, N_STATION) the element's Gauss points
     gravity : share of the dead load
     q : (3 n_a,)                    the element's x, z, theta, node by node [m, m, rad]

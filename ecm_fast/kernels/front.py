@@ -55,7 +55,7 @@ def eliminate(front, first, last, res, band):
 def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
     """Newton's step at `q`, [A1] of `reference.assembly`.
 
-    basis : (2, n_gauss, n_a), stations : (n_stations, N_STATION), tip : (N_TIP,), loads : (N_LOADS,)
+    basis : (3, n_gauss, n_a), stations : (n_stations, N_STATION), tip : (N_TIP,), loads : (N_LOADS,)
     q : (3 n_nodes,)      all nodes, the clamped one first
     work : see `work_size`
     step : (3 n_nodes,)   overwritten
@@ -66,7 +66,7 @@ def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
     n_gauss, m = basis.shape[1], 3 * basis.shape[2]
     width = m - 3  # unknowns that one element completes
     front, res = work[: m * m].reshape(m, m), work[m * m : m * m + m]
-    band = work[m * m + m :].reshape(-1, m)
+    band = work[m * m + m : m * m + m + (q.shape[0] - 3) * m].reshape(-1, m)
 
     K_tip[:] = 0.0  # carries what earlier elements leave at the node they share with the next
     res[width:] = 0.0

@@ -8,7 +8,7 @@ out (O,)        what a solve leaves (`O_*`)
 
 # fmt: off
 # status of a solve, best first; `model.Status` says what each means for a user
-CONVERGED, UNSTABLE, NOT_CONVERGED, TENDON_ZERO_LENGTH, NON_FINITE = range(5)
+CONVERGED, UNSTABLE, NOT_CONVERGED, TENDON_ZERO_LENGTH, INVALID_INPUT = range(5)
 
 # loads: tendon forces [N], dead wrench at Q [N, N, N m], share of gravity (1; load stepping lowers it)
 L_LAM_L, L_LAM_R, L_FX, L_FZ, L_TAU, L_GRAVITY, N_LOADS = range(7)
@@ -25,4 +25,19 @@ L_LAM_L, L_LAM_R, L_FX, L_FZ, L_TAU, L_GRAVITY, N_LOADS = range(7)
 # out: pose, Newton steps taken, last load factor reached on the stable branch, free length of the shorter tendon,
 # tangent stiffness at Q (lower triangle xx, zx, zz, tx, tz, tt)
 (O_X, O_Z, O_THETA, O_ITERATIONS, O_FACTOR, O_FREE_LENGTH, O_KXX, O_KZX, O_KZZ, O_KTX, O_KTZ, O_KTT, N_OUT) = range(13)
+
+# constants of the condensed formulation, one flat array: the tip's come first, then the clamp's angle [rad],
+# 1/length^2, the shift of the scaled axial force and the polynomials in it for the stretch and its slope, then eight
+# numbers a Gauss point (weight [m], scale of the axial force [1/N], 1/EA, weight * EI, that times the curvature as
+# built, dead load beyond the point in x and z [N], 1/GA), then the matrix that integrates the curvature from the
+# clamp to each Gauss point [m]
+N_STRETCH, N_SLOPE, N_POINT = 13, 9, 8
+C_THETA0, C_INV_LENGTH2, C_SHIFT, C_STRETCH = range(N_TIP, N_TIP + 4)
+C_SLOPE = C_STRETCH + N_STRETCH
+C_STATION = C_SLOPE + N_SLOPE
+
+# state of the condensed formulation: LANES load cases side by side, one quantity after the other
+LANES = 64
+(R_LAM_L, R_LAM_R, R_FX, R_FZ, R_TAU, R_X, R_Z, R_FORCE_X, R_FORCE_Z, R_THETA, R_SIZE, R_PIVOT, R_EXTREME,
+ R_KAPPA) = range(0, 14 * LANES, LANES)
 # fmt: on

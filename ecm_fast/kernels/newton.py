@@ -11,8 +11,10 @@ from ._jit import kernel
 from .front import newton_step, work_size
 from .layout import (
     CONVERGED,
+    INVALID_INPUT,
+    L_LAM_L,
+    L_LAM_R,
     N_LOADS,
-    NON_FINITE,
     NOT_CONVERGED,
     O_FACTOR,
     O_FREE_LENGTH,
@@ -25,8 +27,9 @@ from .layout import (
     TENDON_ZERO_LENGTH,
     UNSTABLE,
 )
+from .trig import sincos
 
-__all__ = ["solve", "solve_work_size"]
+__all__ = ["advance", "solve", "solve_work_size", "take"]
 
 # the last step's size, in rad and shares of the length; Newton squares it once more
 TOLERANCE = 1e-9
@@ -34,7 +37,7 @@ TOLERANCE = 1e-9
 ROUNDING_FLOOR = 1e-6
 MAX_ITERATIONS = 12
 # a first step larger than this is no small correction
-FULL_LOAD_LIMIT, LOAD_STEP_LIMIT = 0.8, 0.2
+FULL_LOAD_LIMIT, LOAD_STEP_LIMIT = 1.0, 0.4
 FIRST_LOAD_STEP, LAST_LOAD_STEP, MAX_LOAD_STEPS = 0.125, 1e-8, 2000
 # a tendon this short, as a share of the beam's length, where the branch ends: it is what ended it
 SHORT_TENDON = 0.05
@@ -60,16 +63,40 @@ def solve(basis, stations, tip, q_rest, loads, q, work, out):
     out[:] = np.nan
     out[O_ITERATIONS], out[O_FACTOR] = 0.0, 0.0
     q[:] = q_rest
-    for i in range(N_LOADS):
-        if not np.isfinite(loads[i]):
-            return NON_FINITE
+    if not _possible(loads):
+        return INVALID_INPUT
     n = q.shape[0]
-    status = _correct(basis, stations, tip, loads, q, work[3 * n + N_LOADS :], work[:n], out, FULL_LOAD_LIMIT, 0.5)
+    status = _correct(basis, stations, tip, loads, q, work[2 * n + N_LOADS :], work[:n], out, FULL_LOAD_LIMIT, 0.5)
     out[O_FACTOR] = 1.0
     if status != CONVERGED:
         status = _follow(basis, stations, tip, q_rest, loads, q, work, out)
     out[O_X], out[O_Z], out[O_THETA] = q[n - 3], q[n - 2], q[n - 1]
     return status
+
+
+@kernel
+def advance(basis, stations, tip, q_rest, loads, q, work, out):
+    """Follow an equilibrium `q` to loads that changed a little; solves from the unloaded state where that fails.
+
+    Arguments and result as for `solve`, but `q` is where to start from.
+    """
+    n = q.shape[0]
+    if _possible(loads):
+        out[O_ITERATIONS], out[O_FACTOR] = 0.0, 1.0
+        rest, step = work[2 * n + N_LOADS :], work[:n]
+        if _correct(basis, stations, tip, loads, q, rest, step, out, LOAD_STEP_LIMIT, 0.5) == CONVERGED:
+            out[O_X], out[O_Z], out[O_THETA] = q[n - 3], q[n - 2], q[n - 1]
+            return CONVERGED
+    return solve(basis, stations, tip, q_rest, loads, q, work, out)
+
+
+@kernel
+def _possible(loads):
+    """Whether every load is a finite number and no tendon pushes."""
+    for i in range(N_LOADS):
+        if not np.isfinite(loads[i]):
+            return False
+    return loads[L_LAM_L] >= 0.0 and loads[L_LAM_R] >= 0.0
 
 
 @kernel
@@ -88,13 +115,55 @@ def _correct(basis, stations, tip, loads, q, work, step, out, limit, shrink):
             return NOT_CONVERGED
         if not_positive > 0 and shrink < 1.0:
             return UNSTABLE
-        for i in range(q.shape[0]):
-            q[i] += step[i]
+        take(basis, q, step, work[work.shape[0] - q.shape[0] :])
         if at_floor:
             return UNSTABLE if not_positive > 0 else CONVERGED
         limit = shrink * size
         before = size
     return NOT_CONVERGED
+
+
+@kernel
+def take(basis, q, step, fresh):
+    """Move `q` by a step that is linear in the strains and the angles, not in the positions.
+
+    basis : (3, n_gauss, n_a), q : (3 n_nodes,), step : (3 n_nodes,)
+    fresh : (3 n_nodes,)   work space
+
+    A turn of the sections at fixed slopes would stretch the beam by half its square, and a stiff EA would answer
+    with a force that throws Newton off. So angles and strains take the step, and the positions are rebuilt from
+    them: the same to first order, and exact because the slopes at the Gauss points determine the positions. With
+    more Gauss points than the order they do not; then the step is added as it is.
+    """
+    n_gauss, n_a = basis.shape[1], basis.shape[2]
+    if basis[2, 0, n_a - 1] == 0.0:
+        for i in range(q.shape[0]):
+            q[i] += step[i]
+        return
+    for i in range(3):
+        fresh[i] = q[i] + step[i]
+    for first in range(0, q.shape[0] - 3, 3 * (n_a - 1)):
+        for i in range(first + 3, first + 3 * n_a, 3):
+            fresh[i], fresh[i + 1], fresh[i + 2] = fresh[first], fresh[first + 1], q[i + 2] + step[i + 2]
+        for g in range(n_gauss):
+            dx, dz, theta, step_x, step_z, turn = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            for a in range(n_a):
+                i = first + 3 * a
+                dx += basis[1, g, a] * q[i]
+                dz += basis[1, g, a] * q[i + 1]
+                theta += basis[0, g, a] * q[i + 2]
+                step_x += basis[1, g, a] * step[i]
+                step_z += basis[1, g, a] * step[i + 1]
+                turn += basis[0, g, a] * step[i + 2]
+            s, c = sincos(theta)
+            gamma_x, gamma_z = dx * c - dz * s, dx * s + dz * c
+            new_x = gamma_x + step_x * c - step_z * s - gamma_z * turn
+            new_z = gamma_z + step_x * s + step_z * c + gamma_x * turn
+            s, c = sincos(theta + turn)
+            for a in range(1, n_a):
+                fresh[first + 3 * a] += basis[2, g, a] * (new_x * c + new_z * s)
+                fresh[first + 3 * a + 1] += basis[2, g, a] * (new_z * c - new_x * s)
+    q[:] = fresh
 
 
 @kernel
@@ -133,13 +202,13 @@ def _walk(basis, stations, tip, loads, q, work, out, start, stable):
 
     stable : every equilibrium must be stable; otherwise none may be
 
-    Each load step starts on the line through the last two equilibria, and its length follows how well that went.
+    Each load step starts at the equilibrium before, and its length follows how well that went.
     """
     n = q.shape[0]
-    step, last, before = work[:n], work[n : 2 * n], work[2 * n : 3 * n]
-    scaled, rest = work[3 * n : 3 * n + N_LOADS], work[3 * n + N_LOADS :]
+    step, last = work[:n], work[n : 2 * n]
+    scaled, rest = work[2 * n : 2 * n + N_LOADS], work[2 * n + N_LOADS :]
     wanted = CONVERGED if stable else UNSTABLE
-    reached, stride, stride_before = start, FIRST_LOAD_STEP, 0.0
+    reached, stride = start, FIRST_LOAD_STEP
     free_length = out[O_FREE_LENGTH]
     last[:] = q
     for i in range(MAX_LOAD_STEPS):
@@ -147,13 +216,9 @@ def _walk(basis, stations, tip, loads, q, work, out, start, stable):
         factor = start if i == 0 and start == 0.0 else min(1.0, reached + stride)
         scaled[:] = loads
         scaled *= factor
-        ahead = (factor - reached) / stride_before if stride_before > 0.0 else 0.0
-        for k in range(n):
-            q[k] = last[k] + ahead * (last[k] - before[k])
+        q[:] = last
         status = _correct(basis, stations, tip, scaled, q, rest, step, out, LOAD_STEP_LIMIT, 0.5 if stable else 1.0)
         if status == wanted:
-            stride_before = factor - reached
-            before[:] = last
             last[:] = q
             reached, free_length = factor, out[O_FREE_LENGTH]
             if reached == 1.0:

@@ -1,8 +1,10 @@
 """What acts at the head plate: two tendons over pulleys, the head's weight, a dead wrench at Q."""
 
+import math
+
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, step_kernel
 from .layout import (
     L_FX,
     L_FZ,
@@ -29,7 +31,7 @@ from .trig import sincos
 __all__ = ["tendon", "tendon_directions", "tip_wrench"]
 
 
-@kernel
+@step_kernel
 def tendon(dx, dz, radius, side):
     """Direction and free length of a tendon that leaves its pulley on the outer side, [T1] of `reference.tip`.
 
@@ -41,7 +43,7 @@ def tendon(dx, dz, radius, side):
     the attachment lies inside the pulley.
     """
     distance2 = dx * dx + dz * dz
-    free = np.sqrt(distance2 - radius * radius)
+    free = math.sqrt(distance2 - radius * radius)
     reach = side * radius
     return (free * dx - reach * dz) / distance2, (free * dz + reach * dx) / distance2, free
 

@@ -1,0 +1,157 @@
+"""The whole measuring chain: what the instruments would read for every row of a measurement file."""
+
+import csv
+import io
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .data import Measurements
+from .data_columns import COLUMNS
+from .equilibrium import Status
+from .errors import InputError
+from .files import write_whole
+from .mechanism import Mechanism
+from .model import FiniteElementModel
+from .parameters import PARAMETERS, index, pack
+
+__all__ = ["Prediction", "csv_text", "predict"]
+
+Array = NDArray[np.float64]
+
+_CHANNELS = ("x", "z", "theta")
+_LOADS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt")
+_CHANGES = {"tilt": "gravity_tilt", "extra_mass": "effects.head_mass"}
+"""What a row may change on the test bed, and the parameter to which it is added."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Prediction:
+    """Predicted readings, one entry a row of the measurements.
+
+    Attributes
+    ----------
+    pose : (n, 3) x, z, theta of Q [m, m, rad]; nan where no equilibrium was found
+    status : (n,) values of `Status`
+    load_factor : (n,) how much of the load the stable branch carries, see `Equilibrium`
+    data : the measurements
+    """
+
+    pose: Array
+    status: NDArray[np.int64]
+    load_factor: Array
+    data: Measurements
+
+    @property
+    def residual(self) -> Array:
+        """Measured less predicted, (n, 3) [m, m, rad]; nan where not measured or not converged."""
+        return self.data.pose - self.pose
+
+    @property
+    def rms(self) -> dict[str, float | None]:
+        """Root mean square of `residual` by channel, ``x_m``, ``z_m``, ``theta_rad``; None where it has no entry."""
+        known = [column[np.isfinite(column)] for column in self.residual.T]
+        return {
+            COLUMNS[name].names[0]: float(np.sqrt(np.mean(entries**2))) if entries.size else None
+            for name, entries in zip(_CHANNELS, known, strict=True)
+        }
+
+    @property
+    def rows(self) -> int:
+        """How many rows have a converged prediction and at least one measured channel."""
+        return int(np.isfinite(self.residual).any(axis=1).sum())
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many rows ended with each status."""
+        return {status.name.lower(): int(np.sum(self.status == status)) for status in Status}
+
+    def columns(self) -> dict[str, Sequence[Any]]:
+        """Return the table that `to_csv` writes: loads, predicted pose, measured pose, status name of every row."""
+        columns: dict[str, Sequence[Any]] = {COLUMNS[name].names[0]: getattr(self.data, name) for name in _LOADS}
+        for name, predicted in zip(_CHANNELS, self.pose.T, strict=True):
+            columns[COLUMNS[name].names[0]] = predicted
+        for name in _CHANNELS:
+            columns[COLUMNS[name].names[0].replace("_", "_measured_")] = getattr(self.data, name)
+        columns["status"] = [Status(value).name.lower() for value in self.status]
+        return columns
+
+    def to_csv(self, path: str | os.PathLike[str]) -> Path:
+        """Write `columns` in the order of the rows, to the last digit; what is unknown is blank.
+
+        Raises
+        ------
+        InputError : the file cannot be written.
+        """
+        return write_whole(path, csv_text(self.columns()))
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(f"{count} {name}" for name, count in self.counts.items() if count)
+        rms = ", ".join(f"{name} {value:.3g}" for name, value in self.rms.items() if value is not None)
+        return f"<Prediction of {len(self.status)} rows: {kinds}; rms {rms or 'unknown, no pose is measured'}>"
+
+
+def predict(
+    mechanism: Mechanism,
+    data: Measurements,
+    *,
+    elements: int | ArrayLike = 1,
+    order: int = 6,
+    threads: int = 1,
+) -> Prediction:
+    """Predict what the instruments would read in every row.
+
+    Parameters
+    ----------
+    mechanism : what is built
+    data : the loads of every row, and what was changed on the test bed; its poses are only compared
+    elements, order : the discretization, see `FiniteElementModel`
+    threads : how many threads share the rows
+
+    Raises
+    ------
+    InputError : a row's tilt or extra mass leaves the bounds of the parameter it adds to; names the row.
+    """
+    model = FiniteElementModel(mechanism, elements, order)
+    own = _row_parameters(mechanism, data)
+    result = model.solve_batch(data.lam, data.wrench, parameters=own, threads=threads)
+    return Prediction(result.pose, result.status, result.load_factor, data)
+
+
+def _row_parameters(mechanism: Mechanism, data: Measurements) -> Array | None:
+    """Return a parameter vector for every row, (n, n_parameters), or None where no row changes the test bed."""
+    changes = {name: getattr(data, name) for name in _CHANGES}
+    if not any(change.any() for change in changes.values()):
+        return None
+    par = np.tile(pack(mechanism), (data.n, 1))
+    for name, change in changes.items():
+        place = index(_CHANGES[name])
+        par[:, place] += change
+        entry, values = PARAMETERS[place], par[:, place]
+        outside = (values < entry.lower) | (values > entry.upper)
+        if outside.any():
+            i = int(np.argmax(outside))
+            raise InputError(f"{data.where(i)}: {name} = {change[i]:g} makes {entry.key} = {values[i]:g}: allowed is "
+                             f"{entry.allowed}")  # fmt: skip
+    return par
+
+
+def csv_text(columns: Mapping[str, Sequence[Any] | NDArray[Any]]) -> str:
+    """Return a CSV of equally long columns: numbers to the last digit, blank where a number is not known."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([_cell(value) for value in row] for row in zip(*columns.values(), strict=True))
+    return text.getvalue()
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, (float, np.floating)):
+        return repr(float(value)) if math.isfinite(value) else ""
+    return "" if value is None else str(value)
