@@ -6,11 +6,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InputError
+from .errors import InputError, shown
 
 __all__ = ["MAX_ORDER", "Discretization"]
 
 MAX_ORDER = 6
+MAX_ELEMENTS = 100_000
+SMALLEST_SHARE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -37,21 +39,16 @@ class Discretization:
         InputError : names the number and what is allowed.
         """
         if isinstance(elements, (int, np.integer)) and not isinstance(elements, bool):
-            if not 1 <= elements <= 100_000:
-                raise InputError(f"elements = {elements}: allowed is 1 to 100000")
-            lengths = np.ones(int(elements))
+            if not 1 <= elements <= MAX_ELEMENTS:
+                raise InputError(f"elements = {shown(elements)}: allowed is 1 to {MAX_ELEMENTS}")
+            shares = np.full(int(elements), 1.0 / int(elements))
         else:
-            lengths = np.atleast_1d(np.asarray(elements, dtype=np.float64))
-        if lengths.ndim != 1 or not (lengths.size and np.all(np.isfinite(lengths)) and np.all(lengths > 0.0)):
-            raise InputError(f"elements = {elements!r}: allowed is a count, or positive relative lengths")
-        if order not in range(1, MAX_ORDER + 1):
-            raise InputError(f"order = {order!r}: allowed is 1 to {MAX_ORDER}")
-        points = order if gauss is None else gauss
-        if points not in range(1, 2 * MAX_ORDER + 1):
-            raise InputError(f"gauss = {points!r}: allowed is 1 to {2 * MAX_ORDER}")
-        if points < order:
-            raise InputError(f"gauss = {points}: fewer points than the order, {order}, leave the element loose")
-        return cls(tuple(lengths / lengths.sum()), int(order), int(points))
+            shares = _shares(elements)
+        order = _count("order", order, 1, MAX_ORDER)
+        gauss = order if gauss is None else _count("gauss", gauss, 1, 2 * MAX_ORDER)
+        if gauss < order:
+            raise InputError(f"gauss = {gauss}: fewer points than the order, {order}, leave the element loose")
+        return cls(tuple(shares.tolist()), order, gauss)
 
     @property
     def n_elements(self) -> int:
@@ -116,6 +113,27 @@ class Discretization:
         points = 0.5 * (1.0 + np.polynomial.legendre.leggauss(self.gauss)[0])
         degree = np.arange(1, self.gauss + 1)
         return (upper[:, None] ** degree / degree) @ np.linalg.inv(np.vander(points, increasing=True))
+
+
+def _count(name: str, value: object, lowest: int, highest: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not lowest <= value <= highest:
+        raise InputError(f"{name} = {shown(value)}: allowed is a whole number from {lowest} to {highest}")
+    return int(value)
+
+
+def _shares(lengths: ArrayLike) -> NDArray[np.float64]:
+    """Return element lengths as shares of their sum."""
+    try:
+        given = np.asarray(lengths, dtype=np.float64)
+    except (TypeError, ValueError):
+        given = np.empty(0)
+    if given.ndim == 1 and 0 < given.size <= MAX_ELEMENTS and np.all(np.isfinite(given)) and np.all(given > 0.0):
+        shares: NDArray[np.float64] = given / given.max()
+        shares /= shares.sum()
+        if shares.min() >= SMALLEST_SHARE:
+            return shares
+    raise InputError(f"elements = {shown(lengths)}: allowed is a count, or positive relative lengths of which none is "
+                     f"below {SMALLEST_SHARE:g} of the whole")  # fmt: skip
 
 
 def lagrange(nodes: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -37,8 +37,8 @@ class Status(IntEnum):
 _EXPLAINED = {
     Status.CONVERGED: "stable equilibrium, on the branch that grows from the unloaded state",
     Status.UNSTABLE: "equilibrium, but not stable: the load passes the buckling load at {factor:.6g} of its size",
-    Status.NOT_CONVERGED: "no equilibrium: the stable branch from the unloaded state ends at {factor:.6g} of the load, "
-    "beyond which the neck snaps to another state; lower the load",
+    Status.NOT_CONVERGED: "no equilibrium: the stable branch from the unloaded state was followed to {factor:.6g} of "
+    "the load; beyond, the neck snaps to another state or the load is out of all proportion; lower the load",
     Status.TENDON_ZERO_LENGTH: "no equilibrium: at {factor:.6g} of the load a tendon is pulled up to its pulley and "
     "has no length left; lower the load or move the pulley",
     Status.INVALID_INPUT: "no equilibrium: a load is not a finite number, or a tendon is told to push",

@@ -10,7 +10,7 @@ Kernels never raise: they return a status, and `Equilibrium.raise_if_failed` is 
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-__all__ = ["EcmError", "InputError", "NotConverged", "did_you_mean"]
+__all__ = ["EcmError", "InputError", "NotConverged", "did_you_mean", "key_shown", "shown"]
 
 
 class EcmError(Exception):
@@ -27,5 +27,22 @@ class NotConverged(EcmError):  # noqa: N818  the name says what happened, as `St
 
 def did_you_mean(word: str, allowed: Iterable[str]) -> str:
     """Return ``" (did you mean 'length'?)"`` for a misspelt word, or nothing when no name is near."""
-    near = get_close_matches(word, list(allowed), n=1)
+    names = list(allowed)
+    same = [name for name in names if name.lower() == word.lower()]
+    near = same or get_close_matches(word, names, n=1)
     return f" (did you mean {near[0]!r}?)" if near else ""
+
+
+def key_shown(key: str) -> str:
+    """Return a key as it is written in a file, quoted where it holds anything but plain characters."""
+    return key if key.isprintable() and len(key) <= 80 else shown(key)
+
+
+def shown(value: object) -> str:
+    """Return a value as an error shows it: on one line, and not longer than a line."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # an integer of thousands of digits, a table nested as deep
+        return f"something too long to write out, of type {type(value).__name__}"
+    text = " ".join(text.split())
+    return text if len(text) <= 80 else f"{text[:60]}... ({len(text)} characters)"

@@ -1,5 +1,6 @@
 """Write a file whole or not at all."""
 
+import errno
 import os
 import tempfile
 from pathlib import Path
@@ -18,24 +19,26 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
     ------
     InputError : the file cannot be written; names the path and the system's reason.
     """
-    target = Path(path)
+    place = Path(path)
     data = content.encode() if isinstance(content, str) else content
+    temporary = None
     try:
-        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-    except (OSError, ValueError) as error:
-        raise InputError(f"{target}: cannot be written here ({_reason(error)})") from None
-    try:
-        with os.fdopen(handle, "wb") as temporary:
-            temporary.write(data)
+        target = Path(os.path.realpath(place))  # a link stays a link
+        if target.exists() and not target.is_file():
+            reason = os.strerror(errno.EISDIR) if target.is_dir() else "not a regular file"
+            raise OSError(errno.EISDIR, reason)
+        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
         umask = os.umask(0)
         os.umask(umask)
-        os.chmod(name, 0o666 & ~umask)  # mkstemp keeps the file to its owner; a result is as public as any file
-        os.replace(name, target)
-    except OSError as error:
-        os.unlink(name)
-        raise InputError(f"{target}: cannot be written here ({_reason(error)})") from None
-    return target
-
-
-def _reason(error: Exception) -> str:
-    return getattr(error, "strerror", None) or str(error)
+        os.chmod(temporary, 0o666 & ~umask)  # mkstemp keeps a file to its owner; a result is as public as any file
+        os.replace(temporary, target)
+        temporary = None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{place}: cannot be written here ({reason})") from None
+    finally:
+        if temporary is not None:
+            os.unlink(temporary)
+    return place

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal, Self
 
 from .effects import CATALOGUE
-from .errors import InputError, did_you_mean
+from .errors import InputError, did_you_mean, shown
 from .quantity import Quantity, Status
 
 __all__ = ["EFFECT_QUANTITIES", "PRESETS", "SECTIONS", "Beam", "Effects", "Gravity", "Head", "Mechanism", "Tendons"]
@@ -82,7 +82,7 @@ class Beam(_Section):
         if self.axial_law not in AXIAL_LAWS:
             allowed = " or ".join(repr(law) for law in AXIAL_LAWS)
             hint = did_you_mean(self.axial_law, AXIAL_LAWS) if isinstance(self.axial_law, str) else ""
-            raise InputError(f"beam.axial_law = {self.axial_law!r}: allowed is {allowed}{hint}")
+            raise InputError(f"beam.axial_law = {shown(self.axial_law)}: allowed is {allowed}{hint}")
         super().__post_init__()
 
 
@@ -198,7 +198,7 @@ class Mechanism:
         """Return a preset: ``slender`` (L 0.109 m) or ``paper`` (L 0.040 m)."""
         if name not in PRESETS:
             allowed = " or ".join(repr(preset) for preset in PRESETS)
-            raise InputError(f"preset = {name!r}: allowed is {allowed}{did_you_mean(str(name), PRESETS)}")
+            raise InputError(f"preset = {shown(name)}: allowed is {allowed}{did_you_mean(str(name), PRESETS)}")
         return cls().replace(**{key: entry.default for key, entry in PRESETS[name].items()})
 
     @classmethod

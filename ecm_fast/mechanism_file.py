@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from .effects import CATALOGUE
-from .errors import InputError, did_you_mean
+from .errors import InputError, did_you_mean, key_shown, shown
 from .files import write_whole
 from .mechanism import PRESETS, SECTIONS, Effects, Mechanism
 from .parameters import PARAMETERS
@@ -25,7 +25,7 @@ def read_mechanism(path: str | os.PathLike[str]) -> Mechanism:
         file, key, value and what is allowed.
     """
     try:
-        content = tomllib.loads(Path(path).read_bytes().decode())
+        content = tomllib.loads(Path(path).read_bytes().decode("utf-8-sig"))
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None
     except (ValueError, RecursionError) as error:
@@ -42,10 +42,10 @@ def _mechanism(content: dict[str, Any]) -> Mechanism:
         if key == "preset":
             continue
         if key not in tables:
-            raise InputError(f"unknown key {key!r}{did_you_mean(key, ['preset', *tables])}; allowed are "
+            raise InputError(f"unknown key {shown(key)}{did_you_mean(key, ['preset', *tables])}; allowed are "
                              f"preset, {', '.join(tables)}")  # fmt: skip
         if not isinstance(value, dict):
-            raise InputError(f"{key} = {value!r}: allowed is a table, written [{key}]")
+            raise InputError(f"{key} = {shown(value)}: allowed is a table, written [{key}]")
     mechanism = Mechanism.preset(_preset(content))
     changes = {f"{section}.{name}": value for section, name, value in _entries(content)}
     return mechanism.replace(**changes)
@@ -54,7 +54,7 @@ def _mechanism(content: dict[str, Any]) -> Mechanism:
 def _preset(content: Mapping[str, Any]) -> str:
     name = content.get("preset", "slender")
     if not isinstance(name, str):
-        raise InputError(f"preset = {name!r}: allowed is {' or '.join(map(repr, PRESETS))}")
+        raise InputError(f"preset = {shown(name)}: allowed is {' or '.join(map(repr, PRESETS))}")
     return name
 
 
@@ -64,12 +64,12 @@ def _entries(content: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
         names = list(cls.__dataclass_fields__)
         for name, value in content.get(section, {}).items():
             if name not in names:
-                raise InputError(f"unknown key {section}.{name}{did_you_mean(name, names)}; allowed are "
+                raise InputError(f"unknown key {section}.{key_shown(name)}{did_you_mean(name, names)}; allowed are "
                                  f"{', '.join(names)}")  # fmt: skip
             yield section, name, value
     for name, value in content.get("effects", {}).items():
         if name not in CATALOGUE:
-            raise InputError(f"unknown effect effects.{name}{did_you_mean(name, CATALOGUE)}; "
+            raise InputError(f"unknown effect effects.{key_shown(name)}{did_you_mean(name, CATALOGUE)}; "
                              "the command 'effects' lists them")  # fmt: skip
         if not isinstance(value, dict):
             yield "effects", CATALOGUE[name].size.name, value
@@ -77,7 +77,7 @@ def _entries(content: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
         allowed = {entry.name.removeprefix(f"{name}."): entry.name for entry in CATALOGUE[name]}
         for part, number in value.items():
             if part not in allowed:
-                raise InputError(f"unknown key effects.{name}.{part}{did_you_mean(part, allowed)}; allowed are "
+                raise InputError(f"unknown key effects.{name}.{key_shown(part)}{did_you_mean(part, allowed)}; allowed are "
                                  f"{', '.join(allowed)}")  # fmt: skip
             yield "effects", allowed[part], number
 

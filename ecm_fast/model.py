@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from .condensation import Condensation
 from .discretization import Discretization
 from .equilibrium import BatchResult, Equilibrium, Status
-from .errors import InputError
+from .errors import InputError, shown
 from .kernels.batch import solve_many
 from .kernels.layout import (
     L_FX,
@@ -93,7 +93,7 @@ class FiniteElementModel:
         ------
         InputError : a shape is wrong, or a number is not finite or negative where it may not be.
         """
-        loads = _loads(np.asarray(lam, dtype=np.float64)[None], np.asarray(wrench, dtype=np.float64)[None])
+        loads = _loads(_numbers("tendon forces", lam)[None], _numbers("wrench", wrench)[None])
         bad = ~np.isfinite(loads[0])
         if bad.any():
             name = ("lam_l", "lam_r", "fx", "fz", "tau", "gravity")[int(np.argmax(bad))]
@@ -139,9 +139,9 @@ class FiniteElementModel:
         ------
         InputError : a shape is wrong, or a tendon force is negative; names the row.
         """
-        tensions = np.atleast_2d(np.asarray(lam, dtype=np.float64))
-        loads = _loads(tensions, np.zeros((len(tensions), 3)) if wrench is None else np.atleast_2d(np.asarray(wrench)))
-        par = self._par[None] if parameters is None else np.ascontiguousarray(parameters, dtype=np.float64)
+        tensions = _numbers("tendon forces", lam)
+        loads = _loads(tensions, np.zeros((len(tensions), 3)) if wrench is None else _numbers("wrenches", wrench))
+        par = self._par[None] if parameters is None else _numbers("parameters", parameters)
         n = len(loads)
         if parameters is not None and par.shape != (n, len(PARAMETERS)):
             raise InputError(f"parameters has shape {par.shape}: allowed is ({n}, {len(PARAMETERS)})")
@@ -174,7 +174,7 @@ class FiniteElementModel:
         ----------
         wrench : (3,) dead wrench at Q that stays [N, N, N m]
         """
-        loads = _loads(np.zeros((1, 2)), np.asarray(wrench, dtype=np.float64)[None])[0]
+        loads = _loads(np.zeros((1, 2)), _numbers("wrench", wrench)[None])[0]
         stations, tip, q_rest, _, _ = self._system
         _, _, _, q, work = _work_arrays(self.discretization)
         q[:] = q_rest
@@ -219,6 +219,14 @@ def _in_threads(part: Callable[[slice], None], n: int, threads: int) -> None:
         return
     with ThreadPoolExecutor(len(chunks)) as pool:
         list(pool.map(part, chunks))
+
+
+def _numbers(name: str, values: ArrayLike) -> Array:
+    """Return values as a contiguous array of at least one axis."""
+    try:
+        return np.atleast_1d(np.ascontiguousarray(values, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise InputError(f"{name} = {shown(values)}: allowed is an array of numbers") from None
 
 
 def _loads(lam: Array, wrench: Array) -> Array:

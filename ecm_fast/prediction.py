@@ -102,7 +102,7 @@ def predict(
     data: Measurements,
     *,
     elements: int | ArrayLike = 1,
-    order: int = 6,
+    order: int = 5,
     threads: int = 1,
 ) -> Prediction:
     """Predict what the instruments would read in every row.

@@ -2,9 +2,10 @@
 
 import math
 from dataclasses import dataclass
+from numbers import Real
 from typing import Literal
 
-from .errors import InputError
+from .errors import InputError, shown
 
 __all__ = ["Quantity", "Status"]
 
@@ -53,13 +54,12 @@ class Quantity:
 
     def check(self, value: object) -> float:
         """Return `value` as a float, or raise `InputError` naming the key, the value and what is allowed."""
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise InputError(f"{self.key} = {value!r}: allowed is {self.allowed}")
+        if isinstance(value, bool) or not isinstance(value, Real):
+            raise InputError(f"{self.key} = {shown(value)}: allowed is {self.allowed}")
         try:
             number = float(value)
         except OverflowError:
-            number = math.inf
+            number = value = math.inf
         if not self.lower <= number <= self.upper:
-            shown = repr(number) if abs(number) >= 1e16 or number != number else repr(value)
-            raise InputError(f"{self.key} = {shown}: allowed is {self.allowed}")
+            raise InputError(f"{self.key} = {shown(value)}: allowed is {self.allowed}")
         return number

@@ -38,7 +38,7 @@ ROUNDING_FLOOR = 1e-6
 MAX_ITERATIONS = 12
 # a first step larger than this is no small correction
 FULL_LOAD_LIMIT, LOAD_STEP_LIMIT = 1.0, 0.4
-FIRST_LOAD_STEP, LAST_LOAD_STEP, MAX_LOAD_STEPS = 0.125, 1e-8, 2000
+FIRST_LOAD_STEP, LAST_LOAD_STEP, MAX_LOAD_STEPS = 0.125, 1e-8, 250
 # a tendon this short, as a share of the beam's length, where the branch ends: it is what ended it
 SHORT_TENDON = 0.05
 
@@ -212,12 +212,14 @@ def _walk(basis, stations, tip, loads, q, work, out, start, stable):
     free_length = out[O_FREE_LENGTH]
     last[:] = q
     for i in range(MAX_LOAD_STEPS):
-        # the unloaded state itself may need solving: a beam cast with a curvature
-        factor = start if i == 0 and start == 0.0 else min(1.0, reached + stride)
+        # the unloaded state itself needs solving for a beam cast with a curvature: one step, however large
+        unloaded = i == 0 and start == 0.0
+        factor = 0.0 if unloaded else min(1.0, reached + stride)
+        limit = np.inf if unloaded else LOAD_STEP_LIMIT
         scaled[:] = loads
         scaled *= factor
         q[:] = last
-        status = _correct(basis, stations, tip, scaled, q, rest, step, out, LOAD_STEP_LIMIT, 0.5 if stable else 1.0)
+        status = _correct(basis, stations, tip, scaled, q, rest, step, out, limit, 0.5 if stable else 1.0)
         if status == wanted:
             last[:] = q
             reached, free_length = factor, out[O_FREE_LENGTH]
@@ -226,7 +228,7 @@ def _walk(basis, stations, tip, loads, q, work, out, start, stable):
             stride *= 1.5
         else:
             stride *= 0.4
-            if stride < LAST_LOAD_STEP or (i == 0 and start == 0.0):
+            if stride < LAST_LOAD_STEP or unloaded:
                 break
     q[:] = last
     out[O_FREE_LENGTH] = free_length

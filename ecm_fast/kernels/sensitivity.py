@@ -3,7 +3,7 @@
 import numpy as np
 
 from ._jit import kernel
-from .front import newton_step
+from .front import newton_step, solve_spd3
 from .tip import tendon_directions
 from .trig import sincos
 
@@ -23,7 +23,10 @@ def tip_derivatives(basis, stations, tip, loads, q, work, step, compliance, jaco
     """
     K = np.empty(6)
     not_positive, _ = newton_step(basis, stations, tip, loads, q, work, step, K)
-    _invert3(K, compliance)
+    for i in range(3):
+        for k in range(3):
+            compliance[i, k] = 1.0 if i == k else 0.0
+        solve_spd3(K, compliance[i])
     n = q.shape[0]
     s, c = sincos(q[n - 1])
     e_lx, e_lz, _, e_rx, e_rz, _, l_x, l_z, r_x, r_z = tendon_directions(tip, q[n - 3], q[n - 2], s, c)
@@ -32,17 +35,3 @@ def tip_derivatives(basis, stations, tip, loads, q, work, step, compliance, jaco
         jacobian[i, 0] = compliance[i, 0] * e_lx + compliance[i, 1] * e_lz + compliance[i, 2] * tau_l
         jacobian[i, 1] = compliance[i, 0] * e_rx + compliance[i, 1] * e_rz + compliance[i, 2] * tau_r
     return not_positive
-
-
-@kernel
-def _invert3(lower, inverse):
-    """Invert a symmetric 3 x 3 matrix given by its lower triangle (6,)."""
-    a, b, d, c, e, f = lower[0], lower[1], lower[2], lower[3], lower[4], lower[5]
-    cof_a, cof_b, cof_c = d * f - e * e, c * e - b * f, b * e - c * d
-    inv = 1.0 / (a * cof_a + b * cof_b + c * cof_c)
-    inverse[0, 0] = cof_a * inv
-    inverse[1, 0] = inverse[0, 1] = cof_b * inv
-    inverse[2, 0] = inverse[0, 2] = cof_c * inv
-    inverse[1, 1] = (a * f - c * c) * inv
-    inverse[2, 1] = inverse[1, 2] = (b * c - a * e) * inv
-    inverse[2, 2] = (a * d - b * b) * inv
