@@ -6,6 +6,8 @@
 True
 """
 
+# ruff: noqa: F401  `__all__` is made from `_HOME`; the imports below are for type checkers and editors
+
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 

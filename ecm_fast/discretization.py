@@ -102,7 +102,6 @@ class Discretization:
         inverse = np.broadcast_to(1.0 / share[:, None], place.shape)
         return np.ascontiguousarray(np.stack([place, weight, inverse], axis=-1).reshape(-1, 3))
 
-
     @cached_property
     def turn(self) -> NDArray[np.float64]:
         """Integrals from 0 to each Gauss point of the polynomials that are 1 at one Gauss point, (gauss, gauss)."""

@@ -111,7 +111,8 @@ class Equilibrium:
         xi = (places - ends[element]) / np.asarray(mesh.shares)[element]
         values = lagrange(mesh.local_nodes, xi)[0]
         nodes = element[:, None] * mesh.order + np.arange(mesh.order + 1)
-        return np.einsum("pa,pac->pc", values, self.q.reshape(-1, 3)[nodes])
+        places_and_angles: Array = np.einsum("pa,pac->pc", values, self.q.reshape(-1, 3)[nodes])
+        return places_and_angles
 
     def __repr__(self) -> str:
         pose = f"x={self.x:.6g} m, z={self.z:.6g} m, theta={self.theta:.6g} rad"
@@ -143,12 +144,12 @@ class BatchResult:
     @property
     def converged(self) -> NDArray[np.bool_]:
         """Where the pose is an equilibrium, stable or not, (n,)."""
-        return np.isin(self.status, (Status.CONVERGED, Status.UNSTABLE))
+        return np.less_equal(self.status, Status.UNSTABLE)
 
     @property
     def stable(self) -> NDArray[np.bool_]:
         """Where it is a stable one on the branch from the unloaded state, (n,)."""
-        return self.status == Status.CONVERGED
+        return np.equal(self.status, Status.CONVERGED)
 
     def counts(self) -> dict[str, int]:
         """How many cases ended with each status."""

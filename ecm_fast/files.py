@@ -1,13 +1,18 @@
-"""Write a file whole or not at all."""
+"""Write a file whole or not at all; write a table as text."""
 
+import csv
 import errno
+import io
+import math
 import os
 import tempfile
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 from .errors import InputError
 
-__all__ = ["write_whole"]
+__all__ = ["csv_text", "write_whole"]
 
 
 def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
@@ -42,3 +47,18 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
         if temporary is not None:
             os.unlink(temporary)
     return place
+
+
+def csv_text(columns: Mapping[str, Iterable[Any]]) -> str:
+    """Return a CSV of equally long columns: numbers to the last digit, blank where a number is not known."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([_cell(value) for value in row] for row in zip(*columns.values(), strict=True))
+    return text.getvalue()
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, float):
+        return repr(float(value)) if math.isfinite(value) else ""
+    return "" if value is None else str(value)

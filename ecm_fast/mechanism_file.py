@@ -77,8 +77,8 @@ def _entries(content: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
         allowed = {entry.name.removeprefix(f"{name}."): entry.name for entry in CATALOGUE[name]}
         for part, number in value.items():
             if part not in allowed:
-                raise InputError(f"unknown key effects.{name}.{key_shown(part)}{did_you_mean(part, allowed)}; allowed are "
-                                 f"{', '.join(allowed)}")  # fmt: skip
+                raise InputError(f"unknown key effects.{name}.{key_shown(part)}{did_you_mean(part, allowed)}; "
+                                 f"allowed are {', '.join(allowed)}")  # fmt: skip
             yield "effects", allowed[part], number
 
 

@@ -1,12 +1,12 @@
 """The finite element model of a mechanism: a thin shell over the kernels."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .condensation import Condensation
 from .discretization import Discretization
 from .equilibrium import BatchResult, Equilibrium, Status
 from .errors import InputError, shown
@@ -31,6 +31,9 @@ from .kernels.prepare import prepare
 from .kernels.sensitivity import tip_derivatives
 from .mechanism import Mechanism
 from .parameters import PARAMETERS, pack
+
+if TYPE_CHECKING:
+    from .condensation import Condensation
 
 __all__ = ["FiniteElementModel"]
 
@@ -79,7 +82,19 @@ class FiniteElementModel:
         self._system = _work_arrays(self.discretization)
         stations, tip, q_rest, _, _ = self._system
         prepare(self._par, self.discretization.mesh, self.discretization.nodes, stations, tip, q_rest)
-        self._condensed = Condensation.of(self.discretization, stations, tip, q_rest)
+
+    @cached_property
+    def _condensed(self) -> "Condensation | None":
+        """The fast path, made when first needed; None where it does not apply."""
+        from .condensation import Condensation
+
+        stations, tip, q_rest, _, _ = self._system
+        return Condensation.of(self.discretization, stations, tip, q_rest)
+
+    @property
+    def tip(self) -> Array:
+        """Constants of the head plate as the kernels take them, (N_TIP,), see `kernels.layout`; a copy."""
+        return self._system[1].copy()
 
     def solve(self, lam: ArrayLike = (0.0, 0.0), wrench: ArrayLike = (0.0, 0.0, 0.0)) -> Equilibrium:
         """Return the equilibrium on the stable branch that grows from the unloaded state.
@@ -99,23 +114,26 @@ class FiniteElementModel:
             name = ("lam_l", "lam_r", "fx", "fz", "tau", "gravity")[int(np.argmax(bad))]
             raise InputError(f"{name} = {loads[0][bad][0]}: allowed is a finite number")
         stations, tip, q_rest, q, work = self._system
-        basis, out = self.discretization.tables, np.empty(N_OUT)
-        status = Status(solve(basis, stations, tip, q_rest, loads[0], q, work, out))
+        tables, out = self.discretization.tables, np.empty(N_OUT)
+        status = Status(solve(tables, stations, tip, q_rest, loads[0], q, work, out))
         compliance, jacobian = np.full((3, 3), np.nan), np.full((3, 2), np.nan)
-        pose = np.full(3, np.nan)
         if status.converged:
-            pose = out[[O_X, O_Z, O_THETA]]
             n = q.size
-            tip_derivatives(basis, stations, tip, loads[0], q, work[2 * n + N_LOADS :], work[:n], compliance, jacobian)
+            rest, step = work[2 * n + N_LOADS :], work[:n]
+            tip_derivatives(tables, stations, tip, loads[0], q, rest, step, compliance, jacobian)
+        else:
+            out[[O_X, O_Z, O_THETA]] = np.nan
         return Equilibrium(
-            *(float(value) for value in pose),
-            status,
-            int(out[O_ITERATIONS]),
-            float(out[O_FACTOR]),
-            jacobian,
-            compliance,
-            q.copy(),
-            self.discretization,
+            x=float(out[O_X]),
+            z=float(out[O_Z]),
+            theta=float(out[O_THETA]),
+            status=status,
+            iterations=int(out[O_ITERATIONS]),
+            load_factor=float(out[O_FACTOR]),
+            jacobian=jacobian,
+            compliance=compliance,
+            q=q.copy(),
+            discretization=self.discretization,
         )
 
     def solve_batch(
@@ -160,8 +178,9 @@ class FiniteElementModel:
                 pose[todo], factor[todo], status[todo] = out[:, [O_X, O_Z, O_THETA]], out[:, O_FACTOR], verdict
 
         _in_threads(part, n, threads)
-        pose[~np.isin(status, (Status.CONVERGED, Status.UNSTABLE))] = np.nan
-        return BatchResult(*np.ascontiguousarray(pose.T), status, factor)
+        pose[status > Status.UNSTABLE] = np.nan
+        x, z, theta = np.ascontiguousarray(pose.T)
+        return BatchResult(x, z, theta, status, factor)
 
     def stepper(self, wrench: ArrayLike = (0.0, 0.0, 0.0)) -> Step:
         """Return ``step(lam_l, lam_r) -> x, z, theta, status`` for a control loop.
@@ -217,6 +236,8 @@ def _in_threads(part: Callable[[slice], None], n: int, threads: int) -> None:
         for chunk in chunks:
             part(chunk)
         return
+    from concurrent.futures import ThreadPoolExecutor
+
     with ThreadPoolExecutor(len(chunks)) as pool:
         list(pool.map(part, chunks))
 

@@ -171,16 +171,11 @@ def _diverging() -> Colormap:
     return LinearSegmentedColormap.from_list("signed angle", [_COLORS[0], "#3f444b", _COLORS[1]])
 
 
-def _tip(model: FiniteElementModel) -> Array:
-    """Return the constants of everything at the head plate, see `kernels.layout`."""
-    return model._system[1]
-
-
 def _draw_base(axes: Axes, model: FiniteElementModel, *, named: bool = False) -> None:
     """Draw the clamp and both pulleys, and write which is which."""
     from matplotlib.patches import Circle
 
-    tip = _tip(model)
+    tip = model.tip
     width = 0.15 * tip[at.T_LENGTH] * _MM
     axes.plot([-width, width], [0.0, 0.0], color="black", linewidth=3.0, solid_capstyle="butt")
     pulleys = {"left": (at.T_PULLEY_LX, at.T_PULLEY_LZ), "right": (at.T_PULLEY_RX, at.T_PULLEY_RZ)}
@@ -194,7 +189,7 @@ def _draw_base(axes: Axes, model: FiniteElementModel, *, named: bool = False) ->
 
 
 def _draw_neck(axes: Axes, model: FiniteElementModel, eq: Equilibrium, color: str) -> None:
-    tip = _tip(model)
+    tip = model.tip
     s, c = np.sin(eq.theta), np.cos(eq.theta)
     e_lx, e_lz, free_l, e_rx, e_rz, free_r, l_x, l_z, r_x, r_z = tendon_directions(tip, eq.x, eq.z, s, c)
     com = np.array([tip[at.T_COM_X] * c + tip[at.T_COM_Z] * s, tip[at.T_COM_Z] * c - tip[at.T_COM_X] * s])

@@ -1,10 +1,7 @@
 """The whole measuring chain: what the instruments would read for every row of a measurement file."""
 
-import csv
-import io
-import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,12 +13,12 @@ from .data import Measurements
 from .data_columns import COLUMNS
 from .equilibrium import Status
 from .errors import InputError
-from .files import write_whole
+from .files import csv_text, write_whole
 from .mechanism import Mechanism
 from .model import FiniteElementModel
 from .parameters import PARAMETERS, index, pack
 
-__all__ = ["Prediction", "csv_text", "predict"]
+__all__ = ["Prediction", "predict"]
 
 Array = NDArray[np.float64]
 
@@ -140,18 +137,3 @@ def _row_parameters(mechanism: Mechanism, data: Measurements) -> Array | None:
             raise InputError(f"{data.where(i)}: {name} = {change[i]:g} makes {entry.key} = {values[i]:g}: allowed is "
                              f"{entry.allowed}")  # fmt: skip
     return par
-
-
-def csv_text(columns: Mapping[str, Sequence[Any] | NDArray[Any]]) -> str:
-    """Return a CSV of equally long columns: numbers to the last digit, blank where a number is not known."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows([_cell(value) for value in row] for row in zip(*columns.values(), strict=True))
-    return text.getvalue()
-
-
-def _cell(value: Any) -> str:
-    if isinstance(value, (float, np.floating)):
-        return repr(float(value)) if math.isfinite(value) else ""
-    return "" if value is None else str(value)

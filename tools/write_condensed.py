@@ -11,8 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from ecm_fast.kernels.layout import N_SLOPE, N_STRETCH
 
+from ecm_fast.kernels.layout import N_SLOPE, N_STRETCH
 
 FOLDER = Path(__file__).resolve().parent.parent / "ecm_fast" / "kernels"
 ORDERS = (3, 4, 5, 6)
@@ -204,7 +204,6 @@ class Writer:
         return [f"{stem}{g}" for g in self.points]
 
     def read(self) -> None:
-        p = self.p
         self.say("state: curvatures at the Gauss points, tip position, tip force")
         for g in self.points:
             self.set(f"k{g}", row(f"KAPPA + {g} * LANES"))

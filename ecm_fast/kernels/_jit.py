@@ -28,6 +28,7 @@ import numba
 __all__ = ["CACHE_FOLDER", "kernel", "ordered_kernel", "step_kernel"]
 
 _log = logging.getLogger("ecm_fast")
+_config: Any = numba.config  # its settings come from the environment, unknown to a type checker
 _FASTMATH = {"contract", "nsz", "arcp", "reassoc"}
 
 
@@ -52,7 +53,7 @@ def _cache_folder() -> Path | None:
     """Return the writable folder for this very version of the kernels, or None."""
     digest = hashlib.sha256(b"\0".join(path.read_bytes() for path in _sources())).hexdigest()[:16]
     try:
-        base = Path(numba.config.CACHE_DIR) if numba.config.CACHE_DIR else _user_cache()
+        base = Path(_config.CACHE_DIR) if _config.CACHE_DIR else _user_cache()
         folder = base / "ecm_fast" / digest
         folder.mkdir(parents=True, exist_ok=True)
         if os.access(folder, os.W_OK | os.X_OK):
@@ -86,8 +87,8 @@ def _compile(function: Callable[..., Any], fastmath: set[str], *, forceinline: b
     if CACHE_FOLDER is None:
         return numba.njit(**options)(function)
     # numba reads CACHE_DIR while it decorates; other packages' kernels keep their own place
-    before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(CACHE_FOLDER)
+    before, _config.CACHE_DIR = _config.CACHE_DIR, str(CACHE_FOLDER)
     try:
         return numba.njit(cache=True, **options)(function)
     finally:
-        numba.config.CACHE_DIR = before
+        _config.CACHE_DIR = before

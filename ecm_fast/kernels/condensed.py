@@ -65,7 +65,16 @@ from .layout import (
 from .section import axial_law
 from .trig import sincos
 
-__all__ = ["condense", "constants_size", "largest_step", "restart_lane", "start_lane", "state_size", "stretch_fit", "vouches"]
+__all__ = [
+    "condense",
+    "constants_size",
+    "largest_step",
+    "restart_lane",
+    "start_lane",
+    "state_size",
+    "stretch_fit",
+    "vouches",
+]
 
 # N/EA over which the polynomials for the stretch hold: from 9 % shortening to 4 % stretch
 LOWEST, HIGHEST = -0.10, 0.04

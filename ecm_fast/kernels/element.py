@@ -41,7 +41,8 @@ def element(basis, stations, gravity, q, res, K):
         Q_g = station[S_GA]
         h_xx, h_zz = w * (c * c * N_g + s * s * Q_g), w * (s * s * N_g + c * c * Q_g)
         h_xz = w * s * c * (Q_g - N_g)
-        h_xt, h_zt = w * (s * Q_g * gamma_x - c * N_g * gamma_z + n_z), w * (c * Q_g * gamma_x + s * N_g * gamma_z - n_x)
+        h_xt = w * (s * Q_g * gamma_x - c * N_g * gamma_z + n_z)
+        h_zt = w * (c * Q_g * gamma_x + s * N_g * gamma_z - n_x)
         h_tt = w * (N_g * gamma_z * gamma_z + Q_g * gamma_x * gamma_x - N * gamma_x - Q * gamma_z)
         h_xk, h_zk, h_tk, h_kk = w * c * N_k, -w * s * N_k, -w * gamma_z * N_k, w * M_k
 

@@ -74,7 +74,8 @@ def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
     first_row = 0
     for e in range(stations.shape[0] // n_gauss):
         _open_front(front, res, K_tip)
-        element(basis, stations[e * n_gauss : (e + 1) * n_gauss], loads[L_GRAVITY], q[first_row : first_row + m], res, front)
+        own = stations[e * n_gauss : (e + 1) * n_gauss]
+        element(basis, own, loads[L_GRAVITY], q[first_row : first_row + m], res, front)
         clamped = 3 if e == 0 else 0
         not_positive += eliminate(front, clamped, width, res, band[first_row : first_row + width])
         step[first_row : first_row + width] = res[:width]
@@ -82,6 +83,7 @@ def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
         first_row += width
 
     last = step[first_row:]
+    # every element is done: the front's first row and the residual's head are free to hold the tip's
     free_length = tip_wrench(tip, loads, q[first_row], q[first_row + 1], q[first_row + 2], res, front[0])
     for i in range(3):
         last[i] = res[width + i] - res[i]

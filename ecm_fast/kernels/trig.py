@@ -1,7 +1,4 @@
-"""Sine and cosine as plain arithmetic, so that a loop over load cases can be vectorized.
-
-A call into the mathematics library is opaque to the vectorizer (numba's wheels carry no vector library).
-"""
+"""Sine and cosine of one angle, together and as plain arithmetic: no call into a library, real or complex."""
 
 import numpy as np
 
@@ -14,8 +11,10 @@ _TWO_OVER_PI = 2.0 / np.pi
 _HALF_PI_1 = 1.57079632673412561417e00
 _HALF_PI_2 = 6.07710050630396597660e-11
 _HALF_PI_3 = 2.02226624879595063154e-21
-_S3, _S5, _S7, _S9, _S11, _S13, _S15 = -1 / 6, 1 / 120, -1 / 5040, 1 / 362880, -1 / 39916800, 1 / 6227020800, -1 / 1307674368000  # fmt: skip
-_C4, _C6, _C8, _C10, _C12, _C14, _C16 = 1 / 24, -1 / 720, 1 / 40320, -1 / 3628800, 1 / 479001600, -1 / 87178291200, 1 / 20922789888000  # fmt: skip
+_S3, _S5, _S7, _S9 = -1 / 6, 1 / 120, -1 / 5040, 1 / 362880
+_S11, _S13, _S15 = -1 / 39916800, 1 / 6227020800, -1 / 1307674368000
+_C4, _C6, _C8, _C10 = 1 / 24, -1 / 720, 1 / 40320, -1 / 3628800
+_C12, _C14, _C16 = 1 / 479001600, -1 / 87178291200, 1 / 20922789888000
 
 
 @ordered_kernel

@@ -55,7 +55,7 @@ def element_force(p: Parameters, basis: Any, weights: Any, h: float, q: Any, sha
 def element_tangent(p: Parameters, basis: Any, weights: Any, h: float, q: Any) -> Any:
     """[E2] Derivative of `element_force` by q, (3 n_a, 3 n_a), symmetric.
 
-        w h (B^T D B + N d2(gamma_x) + Q d2(gamma_z)),   d2 the second derivatives of the strains by q
+    w h (B^T D B + N d2(gamma_x) + Q d2(gamma_z)),   d2 the second derivatives of the strains by q
     """
     K = np.zeros((q.size, q.size))
     for values, slopes, weight in zip(*basis, weights, strict=True):

@@ -25,8 +25,8 @@ def section_strains(dr: Any, theta: Any, dtheta: Any) -> Any:
 def axial_energy(p: Parameters, stretch: Any) -> Any:
     """[C0] Energy per length of an axial stretch [N], zero at 1; its derivative is `axial_law`.
 
-        neo-Hookean   EA/3 (g^2/2 + 1/g - 3/2)
-        Hooke         EA/2 (g - 1)^2
+    neo-Hookean   EA/3 (g^2/2 + 1/g - 3/2)
+    Hooke         EA/2 (g - 1)^2
     """
     if p["beam.axial_law"] == 1.0:
         return p["beam.EA"] / 2.0 * (stretch - 1.0) ** 2

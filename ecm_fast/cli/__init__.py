@@ -1,0 +1,64 @@
+"""The command line: arguments, one call, one answer. No numerics. One file a command.
+
+The answer goes to stdout, with ``--json`` as exactly one JSON object; all else (notes, progress, errors) goes to
+stderr. Nothing but the standard library is imported before a command runs: help, version and complaints about
+arguments must not wait for the compiler.
+"""
+
+import json
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+
+from ..errors import InputError, NotConverged
+from . import effects, init, predict, reproduce, solve
+from ._answer import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED, plain
+from ._arguments import parse
+from ._streams import note, write
+
+__all__ = ["COMMANDS", "main"]
+
+COMMANDS = {
+    "solve": solve.COMMAND,
+    "predict": predict.COMMAND,
+    "effects": effects.COMMAND,
+    "init": init.COMMAND,
+    "reproduce": reproduce.COMMAND,
+}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; never raises."""
+    try:
+        return _run(list(sys.argv[1:] if argv is None else argv))
+    except SystemExit:  # argparse has printed the help or the version
+        write(sys.stdout, "")
+        return DONE
+    except InputError as error:
+        return _failed(str(error), BAD_INPUT)
+    except NotConverged as error:
+        return _failed(str(error), NOT_CONVERGED)
+    except KeyboardInterrupt:
+        return _failed("interrupted", INTERRUPTED)
+    except Exception as error:
+        if os.environ.get("ECM_FAST_TRACEBACK"):
+            write(sys.stderr, traceback.format_exc())
+        hint = "ECM_FAST_TRACEBACK=1 in the environment shows where"
+        return _failed(f"unexpected {type(error).__name__}: {error} ({hint})", UNEXPECTED)
+
+
+def _run(words: list[str]) -> int:
+    args = parse(words, COMMANDS)
+    answer = COMMANDS[args.command].run(args)
+    for line in answer.notes:
+        note(line)
+    text = json.dumps(plain(answer.json), allow_nan=False) if args.json else answer.text
+    if text:
+        write(sys.stdout, f"{text}\n")
+    return answer.code
+
+
+def _failed(text: str, code: int) -> int:
+    note(text)
+    return code

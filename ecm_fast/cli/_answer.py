@@ -1,0 +1,94 @@
+"""What a command is and what it answers."""
+
+import argparse
+import json
+import math
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+
+__all__ = [
+    "BAD_INPUT",
+    "DONE",
+    "EXIT_CODES",
+    "INTERRUPTED",
+    "NOT_CONVERGED",
+    "UNEXPECTED",
+    "Answer",
+    "Command",
+    "folder",
+    "plain",
+    "saved",
+]
+
+DONE, UNEXPECTED, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 3, 130
+EXIT_CODES = "exit codes: 0 done, 1 unexpected, 2 bad input, 3 a solve did not converge, 130 interrupted"
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a command found out.
+
+    Attributes
+    ----------
+    json : for ``--json``; what is not finite becomes null
+    text : the same for a reader: plain ASCII, with units
+    notes : lines for stderr
+    code : the exit code
+    """
+
+    json: Mapping[str, Any]
+    text: str
+    notes: tuple[str, ...] = ()
+    code: int = DONE
+
+
+@dataclass(frozen=True)
+class Command:
+    """One command: a line of help, its arguments beyond the common ones, and what it does with them."""
+
+    summary: str
+    add_arguments: Callable[[argparse.ArgumentParser], None]
+    run: Callable[[argparse.Namespace], Answer]
+
+
+def plain(value: Any) -> Any:
+    """Return `value` as JSON can hold it: arrays as lists, paths as text, what is not finite as None."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(entry) for entry in value]
+    if isinstance(value, os.PathLike):
+        return str(value)
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def folder(path: str) -> Path:
+    """Return the folder `path`, made where it is missing.
+
+    Raises
+    ------
+    InputError : it cannot be made; names it and the system's reason.
+    """
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise InputError(f"--out {path}: cannot be made ({getattr(error, 'strerror', None) or error})") from None
+    return Path(path)
+
+
+def saved(args: argparse.Namespace, answer: Mapping[str, Any]) -> tuple[str, ...]:
+    """Write the answer to ``DIR/COMMAND.json`` where ``--out DIR`` asks for it; returns the note that says so."""
+    from ..files import write_whole
+
+    if args.out is None:
+        return ()
+    path = folder(args.out) / f"{args.command}.json"
+    write_whole(path, json.dumps(plain(answer), allow_nan=False, indent=1) + "\n")
+    return (f"wrote {path}",)

@@ -1,0 +1,118 @@
+"""From words to arguments: argparse, but every complaint is one line, and no option is guessed."""
+
+import argparse
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from .. import __version__
+from ..errors import InputError, did_you_mean
+from ._answer import EXIT_CODES, Command
+
+if TYPE_CHECKING:
+    from ..mechanism import Mechanism
+
+__all__ = ["add_model", "discretization", "finite_number", "mechanism", "parse", "tension"]
+
+
+class _Parser(argparse.ArgumentParser):
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options, allow_abbrev=False, epilog=EXIT_CODES)
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message}; see {self.prog} --help")
+
+
+def parse(words: list[str], commands: Mapping[str, Command]) -> argparse.Namespace:
+    """Return the arguments, `command` among them.
+
+    Raises
+    ------
+    InputError : a word is not what it can be; names it and what is allowed.
+    SystemExit : help or version was asked for, and printed.
+    """
+    top = _Parser(prog="ecm-fast", description="Statics of a tendon-driven soft robot neck.")
+    top.add_argument("--version", action="version", version=f"ecm-fast {__version__}")
+    parsers = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    options = {name: _add_command(parsers, name, command) for name, command in commands.items()}
+    _check_command(words, commands)
+    args, unknown = top.parse_known_args([_shielded(word) for word in words])
+    if unknown:
+        known, word = options[args.command], unknown[0]
+        whole = next((option for option in known if word.startswith("--") and option.startswith(word)), word)
+        hint = f": say it after {args.command}" if word in known else did_you_mean(whole, known)
+        raise InputError(f"unknown argument {word.strip()!r}{hint}; see ecm-fast {args.command} --help")
+    return args
+
+
+def _add_command(parsers: Any, name: str, command: Command) -> list[str]:
+    """Add a command's parser; returns its options."""
+    parser: _Parser = parsers.add_parser(name, help=command.summary, description=command.summary)
+    command.add_arguments(parser)
+    parser.add_argument("--json", action="store_true", help="one JSON object on stdout and nothing else there")
+    parser.add_argument("--out", metavar="DIR", help="folder for files; made where it is missing")
+    return [option for action in parser._actions for option in action.option_strings]
+
+
+def _check_command(words: list[str], commands: Mapping[str, Command]) -> None:
+    """Complain about a word that is no command; argparse would list them all and guess none."""
+    name = next((word for word in words if not word.startswith("-")), None)
+    if name is not None and name not in commands:
+        raise InputError(f"no command {name!r}{did_you_mean(name, commands)}; allowed are {', '.join(commands)}")
+
+
+def _shielded(word: str) -> str:
+    """Return a negative number with a blank before it: argparse would take -5e1 and -inf for options."""
+    try:
+        float(word)
+    except ValueError:
+        return word
+    return f" {word}" if word.startswith("-") else word
+
+
+def finite_number(text: str) -> float:
+    """Return a finite number; float() alone also takes nan, inf and 1_000."""
+    try:
+        value = math.nan if "_" in text else float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text.strip()!r}: allowed is a finite number")
+    return value
+
+
+def tension(text: str) -> float:
+    """Return a tendon force."""
+    allowed = "allowed is a finite number >= 0 [N], a tendon only pulls"
+    try:
+        value = finite_number(text)
+    except argparse.ArgumentTypeError:
+        value = -1.0
+    if value < 0.0:
+        raise argparse.ArgumentTypeError(f"{text.strip()!r}: {allowed}")
+    return value
+
+
+def _count(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 10):
+        raise argparse.ArgumentTypeError(f"{text.strip()!r}: allowed is a whole number")
+    return int(text)
+
+
+def add_model(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the commands that solve."""
+    parser.add_argument("--mechanism", metavar="F", help="mechanism file (TOML); default: the preset 'slender'")
+    parser.add_argument("--elements", metavar="N", type=_count, help="number of equal elements; default: one")
+    parser.add_argument("--order", metavar="P", type=_count, help="of their shape functions; default: the model's")
+
+
+def discretization(args: argparse.Namespace) -> dict[str, int]:
+    """Return what the arguments say of the discretization, as keywords; the rest is the model's own default."""
+    return {name: getattr(args, name) for name in ("elements", "order") if getattr(args, name) is not None}
+
+
+def mechanism(args: argparse.Namespace) -> "Mechanism":
+    """Return the mechanism that the arguments name."""
+    from ..mechanism import Mechanism
+
+    return Mechanism.preset() if args.mechanism is None else Mechanism.from_toml(args.mechanism)

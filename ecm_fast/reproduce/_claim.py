@@ -1,0 +1,70 @@
+"""What every part of a reproduction is made of: claims, the numbers behind them, a section of the page."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..report import Section
+
+__all__ = ["CHANNELS", "DEG", "MM", "NOT_GIVEN", "Claim", "Part", "by_channel", "plain", "shown", "verdict"]
+
+CHANNELS = ("x_m", "z_m", "theta_rad")
+MM, DEG = 1e3, 180.0 / math.pi
+NOT_GIVEN = "not given"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One thing somebody says, and what comes out here.
+
+    Attributes
+    ----------
+    what : in one sentence, with the bound it is held to
+    theirs : the number of the paper or of the other source, or "not given"
+    ours : the number found here
+    verdict : "holds", "differs by ..." or "cannot be checked"
+    """
+
+    what: str
+    theirs: str
+    ours: str
+    verdict: str
+
+
+@dataclass(frozen=True)
+class Part:
+    """What one subject adds: claims, numbers in SI for ``results.json``, a section of the page."""
+
+    claims: tuple[Claim, ...]
+    numbers: Mapping[str, Any]
+    section: Section
+
+
+def verdict(value: float, bound: float, difference: str) -> str:
+    """Return "holds" where `value` is within `bound`, else by what it differs; an unknown value does not hold."""
+    return "holds" if value <= bound else f"differs by {difference}"
+
+
+def shown(value: float, spec: str) -> str:
+    """Return a number in a format, or "unknown" where it is not finite."""
+    return format(value, spec) if math.isfinite(value) else "unknown"
+
+
+def by_channel(pose: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """Return the columns of poses (n, 3) by name and unit."""
+    return dict(zip(CHANNELS, pose.T, strict=True))
+
+
+def plain(value: Any) -> Any:
+    """Return `value` as JSON can hold it; what is not finite becomes None."""
+    if isinstance(value, Mapping):
+        return {name: plain(entry) for name, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(entry) for entry in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value

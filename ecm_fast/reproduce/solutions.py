@@ -1,0 +1,87 @@
+"""Equilibria found by shooting: what the fast default and the paper's discretization leave of error."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..datasets import ReferenceSolutions, reference_solutions
+from ..mechanism import Mechanism
+from ..model import FiniteElementModel
+from ..parameters import pack
+from ..plots import random_tendon_forces
+from ..report import Section, Table
+from ._claim import CHANNELS, DEG, MM, Claim, Part, shown, verdict
+
+__all__ = ["reference"]
+
+_FAST, _PAPER = "fast default", "paper, 20 linear elements"
+_DISCRETIZATIONS = {_FAST: (1, 6), _PAPER: (20, 1)}
+_FAST_BOUND = 1e-8
+_FIG_6 = (0.047, 0.026, 0.018)
+"""Errors of the paper's model against its measurements in x, z, theta, as shares of the measured workspace."""
+_FIG_6_SHARE = 0.1
+
+
+def reference() -> Part:
+    """Solve every reference case with both discretizations."""
+    known = reference_solutions()
+    errors = {name: _errors(known, *division) for name, division in _DISCRETIZATIONS.items()}
+    driven = [i for i, loads in enumerate(known.loads) if loads == "tendons"]
+    shares = errors[_PAPER][driven].max(axis=0) / _workspace_size()
+    fast = errors[_FAST].max(axis=0)
+    claims = (
+        Claim(
+            f"The fast default, one element of order 6, meets all {len(known.loads)} solutions to 1e-8 m and 1e-8 rad",
+            "exact to 1e-11",
+            f"{shown(fast[:2].max(), '.1e')} m, {shown(fast[2], '.1e')} rad",
+            verdict(fast.max(), _FAST_BOUND, f"{shown(fast.max(), '.1e')} m or rad"),
+        ),
+        Claim(
+            "The paper's 20 linear elements have no share in the errors of its Fig. 6: for tendon forces they leave "
+            "less than a tenth of them",
+            _percent(_FIG_6),
+            _percent(shares),
+            verdict(float((shares / _FIG_6).max()), _FIG_6_SHARE, f"{shown((shares / _FIG_6).max(), '.2f')} of them"),
+        ),
+    )
+    table, numbers = _table(known, errors)
+    return Part(claims, numbers, Section("Solutions by another method", (known.origin,), (table,)))
+
+
+def _errors(known: ReferenceSolutions, elements: int, order: int) -> NDArray[np.float64]:
+    """Return the error of every case, (n, 3) [m, m, rad]."""
+    model = FiniteElementModel(elements=elements, order=order)
+    parameters = np.array([pack(mechanism) for mechanism in known.mechanisms])
+    return np.abs(model.solve_batch(known.lam, known.wrench, parameters=parameters).pose - known.pose)
+
+
+def _workspace_size() -> NDArray[np.float64]:
+    """Return the extent of the slender preset's workspace, (3,) [m, m, rad]: its poses are the larger ones."""
+    pose = FiniteElementModel(Mechanism.preset("slender")).solve_batch(random_tendon_forces()).pose
+    extent: NDArray[np.float64] = np.ptp(pose, axis=0)
+    return extent
+
+
+def _table(
+    known: ReferenceSolutions, errors: dict[str, NDArray[np.float64]]
+) -> tuple[Table, dict[str, list[dict[str, Any]]]]:
+    lengths = np.array([mechanism.beam.length for mechanism in known.mechanisms])
+    loads = np.array(known.loads)
+    numbers: dict[str, list[dict[str, Any]]] = {}
+    rows: list[tuple[str | float, ...]] = []
+    for name, error in errors.items():
+        numbers[name] = []
+        for kind, length in dict.fromkeys(zip(known.loads, lengths, strict=True)):
+            chosen = (loads == kind) & (lengths == length)
+            largest = error[chosen].max(axis=0)
+            numbers[name].append({"loads": kind, "length_m": length, "rows": int(chosen.sum()),
+                                  **dict(zip(CHANNELS, largest, strict=True))})  # fmt: skip
+            rows.append((name, kind, f"{length * MM:g} mm", int(chosen.sum()), *largest[:2] * MM, largest[2] * DEG))
+    head = ("discretization", "loads", "length", "cases", "x [mm]", "z [mm]", "theta [deg]")
+    return Table("Largest errors against solutions by shooting", head, tuple(rows)), numbers
+
+
+def _percent(shares: Any) -> str:
+    x, z, theta = (shown(100.0 * share, ".2g") for share in shares)
+    return f"x {x} %, z {z} %, theta {theta} % of the workspace"

@@ -1,0 +1,76 @@
+"""What an import may cost: nothing loads the compiler, SciPy or a plotting library before it is needed."""
+
+import ast
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import ecm_fast
+
+PACKAGE = Path(ecm_fast.__file__).parent
+
+
+def loaded_after(statement: str) -> set[str]:
+    """Return the modules that a fresh interpreter holds after `statement`."""
+    code = f"import json, sys\n{statement}\nprint(json.dumps(sorted(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True)
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+def test_the_package_itself_loads_nothing() -> None:
+    modules = loaded_after("import ecm_fast")
+    assert modules & {"numba", "numpy", "scipy", "matplotlib"} == set()
+
+
+def test_the_model_loads_no_optimizer_and_no_plots() -> None:
+    modules = loaded_after("import ecm_fast; ecm_fast.FiniteElementModel().solve((40.0, 10.0)).raise_if_failed()")
+    assert "numba" in modules
+    assert modules & {"scipy.optimize", "scipy.stats", "scipy.sparse", "matplotlib", "pyarrow"} == set()
+
+
+def test_every_public_name_is_there() -> None:
+    for name in ecm_fast.__all__:
+        assert getattr(ecm_fast, name) is not None
+    assert set(ecm_fast.__all__) <= set(dir(ecm_fast))
+
+
+def test_a_name_that_is_not_public() -> None:
+    with pytest.raises(AttributeError, match=r"^module 'ecm_fast' has no attribute 'FiniteElement'$"):
+        _ = ecm_fast.FiniteElement
+
+
+def imported(path: Path) -> set[str]:
+    """Return the full names a file imports, wherever in the file, those of the names it takes included."""
+    own = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            # one dot is the folder of the file, also for an __init__.py
+            base = ".".join(own[: -node.level]) if node.level else ""
+            module = ".".join(part for part in (base, node.module) if part)
+            found |= {module, *(f"{module}.{alias.name}" for alias in node.names)}
+    return found
+
+
+def test_the_walk_sees_relative_imports() -> None:
+    assert "ecm_fast.kernels.newton.solve" in imported(PACKAGE / "kernels" / "batch.py")
+    assert "ecm_fast.reference.section.section_law" in imported(PACKAGE / "reference" / "__init__.py")
+    assert "ecm_fast.errors.InputError" in imported(PACKAGE / "cli" / "__init__.py")
+
+
+def test_nothing_in_the_package_imports_the_oracle() -> None:
+    sources = [path for path in PACKAGE.rglob("*.py") if "reference" not in path.relative_to(PACKAGE).parts]
+    assert len(sources) > 20
+    guilty = {str(path) for path in sources if any(name.startswith("ecm_fast.reference") for name in imported(path))}
+    assert guilty == set()
+
+
+def test_the_oracle_imports_no_kernel() -> None:
+    sources = list((PACKAGE / "reference").glob("*.py"))
+    guilty = {str(path) for path in sources if any(name.startswith("ecm_fast.kernels") for name in imported(path))}
+    assert guilty == set()

@@ -1,0 +1,433 @@
+"""Mechanism, its file and its vector, against the table of parameters in theory.md and texts written by hand."""
+
+import copy
+import math
+import os
+import pickle
+import stat
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ecm_fast.effects import CATALOGUE
+from ecm_fast.errors import InputError
+from ecm_fast.files import write_whole
+from ecm_fast.mechanism import PRESETS, Beam, Effects, Gravity, Head, Mechanism, Tendons
+from ecm_fast.mechanism_file import read_mechanism, template, write_mechanism
+from ecm_fast.parameters import PARAMETERS, find, index, pack, unpack
+
+# theory.md, "Parameters: what the paper states and what had to be inferred"
+THEORY = {
+    "beam.length": (0.109, "found"),
+    "beam.EA": (7500.0, "stated"),
+    "beam.GA": (2420.0, "stated"),
+    "beam.EI": (3.0, "stated"),
+    "beam.mass_per_length": (9.47, "assumed"),
+    "beam.axial_law": (0.0, "stated"),
+    "head.mass": (1.0, "assumed"),
+    "head.h": (0.05, "assumed"),
+    "head.b": (0.0, "assumed"),
+    "tendons.plate_half_width": (0.070, "derived"),
+    "tendons.pulley_x": (0.0, "assumed"),
+    "tendons.pulley_z": (0.070, "assumed"),
+    "tendons.pulley_radius": (0.0, "assumed"),
+    "gravity.g": (9.81, "assumed"),
+}
+NUMBER = "allowed is a finite number from"
+LAWS = "allowed is 'neo-hookean' or 'hooke'"
+KEYS = "allowed are preset, beam, head, tendons, gravity, effects"
+LISTED = "the command 'effects' lists them"
+BEAM_KEYS = "allowed are length, EA, GA, EI, mass_per_length, axial_law"
+
+
+def message(call: Callable[..., Any], *args: Any, **kwargs: Any) -> str:
+    with pytest.raises(InputError) as caught:
+        call(*args, **kwargs)
+    text = str(caught.value)
+    assert len(text.splitlines()) == 1
+    return text
+
+
+# Presets
+
+
+def test_the_defaults_are_those_of_the_table_and_say_where_they_come_from() -> None:
+    built = [entry for entry in PARAMETERS if not entry.key.startswith("effects.")]
+    assert {entry.key: (entry.default, entry.status) for entry in built} == THEORY
+    assert all(entry.source for entry in built)
+
+
+def test_the_slender_preset() -> None:
+    neck = Mechanism.preset("slender")
+    assert neck == Mechanism() == Mechanism.preset()
+    assert neck.beam == Beam(0.109, 7500.0, 2420.0, 3.0, 9.47, "neo-hookean")
+    assert neck.head == Head(1.0, 0.05, 0.0)
+    assert neck.tendons == Tendons(0.070, 0.0, 0.070, 0.0)
+    assert neck.gravity == Gravity(9.81)
+    assert dict(neck.effects) == {}
+    assert PRESETS["slender"]["beam.length"].status == "found"
+
+
+def test_the_paper_preset_differs_in_the_length_alone() -> None:
+    paper, slender = Mechanism.preset("paper"), Mechanism.preset("slender")
+    assert paper.beam.length == 0.040
+    assert paper.replace(length=0.109) == slender
+    entry = PRESETS["paper"]["beam.length"]
+    assert (entry.default, entry.status) == (0.040, "derived")
+    assert "37..43 mm" in entry.source
+
+
+def test_a_misspelt_preset() -> None:
+    assert message(Mechanism.preset, "papr") == (
+        "preset = 'papr': allowed is 'slender' or 'paper' (did you mean 'paper'?)"
+    )
+
+
+def test_derived_numbers_follow_from_what_the_paper_states() -> None:
+    area = 7500.0 / 871080.0
+    assert area == pytest.approx(8.610e-3, rel=1e-4)
+    assert Mechanism().beam.mass_per_length == pytest.approx(1100.0 * area, abs=0.005)
+    assert Mechanism().tendons.plate_half_width == pytest.approx(11.0 / 160.0, abs=0.002)
+
+
+def test_every_effect_is_absent_by_default() -> None:
+    assert pack(Mechanism())[len(THEORY) :].tolist() == [entry.default for e in CATALOGUE.values() for entry in e]
+    for effect in CATALOGUE.values():
+        assert effect.size.default == 0.0
+        assert effect.size.lower < 0.0 < effect.size.typical < effect.size.upper
+        assert effect.size.status == "zero"
+
+
+def test_the_rest_pose_is_the_straight_beam_in_its_clamp() -> None:
+    assert Mechanism().rest_pose() == (0.109, 0.0, 0.0)
+    x, z, theta = Mechanism().replace(length=2.0, clamp_tilt=math.pi / 6).rest_pose()
+    # theory.md: e_x^C = (cos theta, -sin theta)
+    assert (x, z, theta) == pytest.approx((math.sqrt(3.0), -1.0, math.pi / 6))
+
+
+# Values
+
+
+@pytest.mark.parametrize(
+    ("make", "text"),
+    [
+        (lambda: Beam(EA=-1.0), f"beam.EA = -1.0: {NUMBER} 1e-12 to 1e+15 N"),
+        (lambda: Beam(EA=math.nan), f"beam.EA = nan: {NUMBER} 1e-12 to 1e+15 N"),
+        (lambda: Beam(EI=math.inf), f"beam.EI = inf: {NUMBER} 1e-12 to 1e+15 N m^2"),
+        (lambda: Beam(GA=10**400), f"beam.GA = inf: {NUMBER} 1e-12 to 1e+15 N"),
+        (lambda: Beam(length=0), f"beam.length = 0: {NUMBER} 1e-06 to 1e+06 m"),
+        (lambda: Beam(GA=True), f"beam.GA = True: {NUMBER} 1e-12 to 1e+15 N"),
+        (lambda: Beam(GA="7"), f"beam.GA = '7': {NUMBER} 1e-12 to 1e+15 N"),
+        (lambda: Beam(GA=None), f"beam.GA = None: {NUMBER} 1e-12 to 1e+15 N"),
+        (lambda: Beam(axial_law="Hooke"), f"beam.axial_law = 'Hooke': {LAWS} (did you mean 'hooke'?)"),
+        (lambda: Beam(axial_law=1), f"beam.axial_law = 1: {LAWS}"),
+        (lambda: Head(mass=-0.1), f"head.mass = -0.1: {NUMBER} 0 to 1e+06 kg"),
+        (lambda: Head(b=2e3), f"head.b = 2000.0: {NUMBER} -1000 to 1000 m"),
+        (lambda: Tendons(pulley_radius=-1e-9), f"tendons.pulley_radius = -1e-09: {NUMBER} 0 to 1000 m"),
+        (lambda: Gravity(1e5), f"gravity.g = 100000.0: {NUMBER} -10000 to 10000 m/s^2"),
+        (lambda: Effects({"precurvature": 101}), f"effects.precurvature = 101: {NUMBER} -100 to 100 1/m"),
+        (lambda: Effects({"precurvatur": 1}), "effects.precurvatur: no such effect (did you mean 'precurvature'?)"),
+    ],
+)  # fmt: skip
+def test_a_value_that_cannot_be(make: Callable[[], object], text: str) -> None:
+    assert message(make) == text
+
+
+@pytest.mark.parametrize("entry", PARAMETERS, ids=lambda entry: entry.key)
+def test_the_bounds_themselves_are_allowed(entry: Any) -> None:
+    for value in (entry.lower, entry.upper):
+        par = pack(Mechanism())
+        par[index(entry.key)] = value
+        assert pack(unpack(par)).tolist() == par.tolist()
+        par[index(entry.key)] = np.nextafter(value, np.inf if value == entry.upper else -np.inf)
+        assert message(unpack, par).startswith(f"{entry.key} = ")
+
+
+def test_whole_numbers_become_floats() -> None:
+    assert type(Beam(EA=7500).EA) is float
+    assert Beam(EA=7500) == Beam()
+
+
+def test_numpy_numbers_are_numbers() -> None:
+    for value in (np.float64(2.5), np.float32(2.5), np.int64(2)):
+        neck = Mechanism().replace(EI=value)
+        assert type(neck.beam.EI) is float
+        assert value == neck.beam.EI
+
+
+def test_a_mechanism_is_frozen_and_travels() -> None:
+    neck = Mechanism().replace(precurvature=0.2, EI=2.0)
+    with pytest.raises(AttributeError):
+        neck.beam.EI = 1.0  # type: ignore[misc]
+    with pytest.raises(TypeError):
+        neck.effects["precurvature"] = 1.0  # type: ignore[index]
+    assert pickle.loads(pickle.dumps(neck)) == copy.deepcopy(neck) == neck
+    assert hash(pickle.loads(pickle.dumps(neck))) == hash(neck)
+
+
+def test_an_effect_of_size_zero_is_absent() -> None:
+    assert dict(Effects({"precurvature": 0.0, "head_mass": 0.5})) == {"head_mass": 0.5}
+    assert Mechanism().replace(precurvature=0.2).replace(precurvature=0) == Mechanism()
+
+
+# Names
+
+
+def test_replace_takes_several_names_short_and_dotted() -> None:
+    neck = Mechanism().replace(EI=2.9, h=0.06, precurvature=0.2, **{"head.mass": 2.0, "effects.head_mass": 0.1})
+    assert (neck.beam.EI, neck.beam.EA) == (2.9, 7500.0)
+    assert neck.head == Head(2.0, 0.06, 0.0)
+    assert dict(neck.effects) == {"precurvature": 0.2, "head_mass": 0.1}
+    assert Mechanism() == Mechanism.preset("slender")
+    assert neck.replace(axial_law="hooke").beam.axial_law == "hooke"
+    assert neck.replace(clamp_tilt=0.1).effects == {"precurvature": 0.2, "head_mass": 0.1, "clamp_tilt": 0.1}
+    assert neck.replace() == neck
+
+
+def test_replace_says_what_is_wrong() -> None:
+    assert message(Mechanism().replace, preCurvature=1.0) == (
+        "no parameter is called 'preCurvature' (did you mean 'precurvature'?)"
+    )
+    assert message(Mechanism().replace, EI=0.0) == f"beam.EI = 0.0: {NUMBER} 1e-12 to 1e+15 N m^2"
+
+
+def test_find_and_index() -> None:
+    assert find("EA") is find("beam.EA") is PARAMETERS[index("EA")]
+    assert find("precurvature").key == "effects.precurvature"
+    assert [index(entry.key) for entry in PARAMETERS] == list(range(len(PARAMETERS)))
+    assert message(find, "lenght") == "no parameter is called 'lenght' (did you mean 'length'?)"
+    assert message(find, "beam.EAA") == "no parameter is called 'beam.EAA' (did you mean 'beam.EA'?)"
+    assert message(find, "?") == "no parameter is called '?'"
+
+
+def test_a_short_name_that_two_sections_share_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    from ecm_fast import parameters
+
+    assert len({entry.name for entry in PARAMETERS}) == len(PARAMETERS)  # none is shared today
+    monkeypatch.setitem(parameters._SHORT, "mass", ["head.mass", "beam.mass"])
+    assert message(find, "mass") == "parameter 'mass' is ambiguous: say head.mass or beam.mass"
+
+
+# The vector
+
+
+def test_pack_puts_every_number_at_its_place() -> None:
+    neck = Mechanism.preset("paper").replace(axial_law="hooke", gravity_tilt=0.3, pulley_shift=-0.002)
+    par = dict(zip([entry.key for entry in PARAMETERS], pack(neck).tolist(), strict=True))
+    expected = {key: value for key, (value, _) in THEORY.items()}
+    expected |= {f"effects.{name}": 0.0 for effect in CATALOGUE.values() for name in [effect.size.name]}
+    expected |= {"beam.length": 0.040, "beam.axial_law": 1.0}
+    expected |= {"effects.gravity_tilt": 0.3, "effects.pulley_shift": -0.002}
+    assert par == expected
+    assert unpack(pack(neck)) == neck
+
+
+def test_a_vector_that_is_none() -> None:
+    n = len(PARAMETERS)
+    assert message(unpack, np.zeros(3)) == f"a parameter vector has shape ({n},), not (3,)"
+    par = pack(Mechanism())
+    par[index("axial_law")] = 0.5
+    assert message(unpack, par) == "beam.axial_law = 0.5: allowed is 0 (neo-hookean) or 1 (hooke)"
+
+
+# The file
+
+
+FULL = Mechanism.preset("paper").replace(
+    axial_law="hooke", EA=1.0 / 3.0, GA=1e15, EI=1e-12, b=-5e-324, g=-9.8, pulley_shift=-0.1, precurvature=math.pi
+)
+
+
+def test_a_file_reads_back_to_the_same_mechanism(tmp_path: Path) -> None:
+    path = tmp_path / "neck.toml"
+    FULL.to_toml(path)
+    assert Mechanism.from_toml(path) == FULL
+    assert pack(read_mechanism(str(path))).tolist() == pack(FULL).tolist()
+
+
+@pytest.mark.parametrize("preset", ["slender", "paper"])
+def test_the_template_is_the_preset_and_says_where_every_value_comes_from(tmp_path: Path, preset: str) -> None:
+    path = tmp_path / "neck.toml"
+    path.write_text(template(preset), encoding="utf-8")
+    assert read_mechanism(path) == Mechanism.preset(preset)
+    lines = {line.split(" = ")[0]: line for line in template(preset).splitlines() if " = " in line}
+    for key, (_, status) in THEORY.items():
+        expected = "derived" if (preset, key) == ("paper", "beam.length") else status
+        assert f"({expected}: " in lines[key.split(".")[1]]
+
+
+def test_every_key_is_optional(tmp_path: Path) -> None:
+    path = tmp_path / "neck.toml"
+    for content, expected in {
+        "": Mechanism(),
+        "[beam]\n[effects]\n": Mechanism(),
+        'preset = "paper"': Mechanism.preset("paper"),
+        'preset = "paper"\n[beam]\nEI = 2': Mechanism.preset("paper").replace(EI=2.0),
+        "[effects]\nprecurvature = 0.2": Mechanism().replace(precurvature=0.2),
+        "[effects.precurvature]\nprecurvature = 0.2": Mechanism().replace(precurvature=0.2),
+        "\ufeff[head]\r\nh = 2.0 # as a plain editor of Windows writes it\r\n": Mechanism().replace(h=2.0),
+    }.items():  # fmt: skip
+        path.write_bytes(content.encode())
+        assert read_mechanism(path) == expected, content
+
+
+def test_the_example_of_the_interface_is_a_good_file(tmp_path: Path) -> None:
+    path = tmp_path / "neck.toml"
+    path.write_text(
+        'preset = "slender"\n[beam]\nlength = 0.109\nEA = 7500.0\nGA = 2420.0\nEI = 3.0\nmass_per_length = 9.47\n'
+        'axial_law = "neo-hookean"\n[head]\nmass = 1.0\nh = 0.05\nb = 0.0\n[tendons]\nplate_half_width = 0.070\n'
+        "pulley_x = 0.0\npulley_z = 0.070\npulley_radius = 0.0\n[gravity]\ng = 9.81\n[effects]\nprecurvature = 0.2\n"
+    )
+    assert read_mechanism(path) == Mechanism().replace(precurvature=0.2)
+
+
+@pytest.mark.parametrize(
+    ("content", "text"),
+    [
+        ("beam = 3", "beam = 3: allowed is a table, written [beam]"),
+        ("effects = []", "effects = []: allowed is a table, written [effects]"),
+        ("[bean]\nEA = 1", f"unknown key 'bean' (did you mean 'beam'?); {KEYS}"),
+        ("EA = 1", f"unknown key 'EA'; {KEYS}"),
+        ('preset = "papers"', "preset = 'papers': allowed is 'slender' or 'paper' (did you mean 'paper'?)"),
+        ("preset = 1", "preset = 1: allowed is 'slender' or 'paper'"),
+        ("[beam]\nlenght = 1", f"unknown key beam.lenght (did you mean 'length'?); {BEAM_KEYS}"),
+        ("[head]\nmas = 1", "unknown key head.mas (did you mean 'mass'?); allowed are mass, h, b"),
+        ('[beam]\nEA = "7500"', f"beam.EA = '7500': {NUMBER} 1e-12 to 1e+15 N"),
+        ("[beam]\nEA = true", f"beam.EA = True: {NUMBER} 1e-12 to 1e+15 N"),
+        ("[beam]\nEA = nan", f"beam.EA = nan: {NUMBER} 1e-12 to 1e+15 N"),
+        ("[beam]\nEA = -inf", f"beam.EA = -inf: {NUMBER} 1e-12 to 1e+15 N"),
+        ("[beam]\nEA = [7500.0]", f"beam.EA = [7500.0]: {NUMBER} 1e-12 to 1e+15 N"),
+        ("[beam.EA]\nvalue = 1", f"beam.EA = {{'value': 1}}: {NUMBER} 1e-12 to 1e+15 N"),
+        ('[beam]\naxial_law = "neo-hooke"', f"beam.axial_law = 'neo-hooke': {LAWS} (did you mean 'neo-hookean'?)"),
+        ("[gravity]\ng = 1e5", f"gravity.g = 100000.0: {NUMBER} -10000 to 10000 m/s^2"),
+        ("[effects]\nclamp = 1", f"unknown effect effects.clamp (did you mean 'clamp_tilt'?); {LISTED}"),
+        ("[effects]\nprecurvature = 1e3", f"effects.precurvature = 1000.0: {NUMBER} -100 to 100 1/m"),
+        ("[effects.precurvature]\nsize = 1", "unknown key effects.precurvature.size; allowed are precurvature"),
+        ('[beam]\n"a\\nb" = 1', f"unknown key beam.'a\\nb'; {BEAM_KEYS}"),
+        ('[effects]\n"a\\nb" = 1', f"unknown effect effects.'a\\nb'; {LISTED}"),
+    ],
+)  # fmt: skip
+def test_a_file_that_cannot_be_meant(tmp_path: Path, content: str, text: str) -> None:
+    path = tmp_path / "neck.toml"
+    path.write_text(content, encoding="utf-8")
+    assert message(read_mechanism, path) == f"{path}: {text}"
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"[beam",
+        b"EA",
+        b"[beam]\nEA = 1\nEA = 2",
+        b"[beam]\nEA = 1.\n",
+        b"\xff\xfe[\x00b\x00",
+        b"\x00",
+        b"a = " + b"[" * 100_000,
+        b"a = " + b"9" * 5000,
+    ],
+)
+def test_a_file_that_is_not_toml(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "neck.toml"
+    path.write_bytes(content)
+    assert message(read_mechanism, path).startswith(f"{path}: not a TOML file (")
+
+
+@pytest.mark.parametrize(
+    ("content", "key"),
+    [
+        ("beam = {}", "beam"),
+        ("preset = {}", "preset"),
+        ("[beam]\nEA = [{}]", "beam.EA"),
+        ("[beam]\naxial_law = {}", "beam.axial_law"),
+    ],
+)
+def test_a_number_too_long_to_be_written_out(tmp_path: Path, content: str, key: str) -> None:
+    path = tmp_path / "neck.toml"
+    path.write_text(content.format("0x" + "f" * 5000))
+    assert message(read_mechanism, path).startswith(f"{path}: {key} = ")
+
+
+def test_a_table_nested_too_deep_to_be_written_out(tmp_path: Path) -> None:
+    path = tmp_path / "neck.toml"
+    path.write_text("[beam]\nEA" + ".a" * 5000 + " = 1")
+    assert message(read_mechanism, path).startswith(f"{path}: beam.EA = ")
+
+
+def test_a_file_that_is_not_there(tmp_path: Path) -> None:
+    assert message(read_mechanism, tmp_path / "no.toml") == (
+        f"{tmp_path / 'no.toml'}: cannot be read (No such file or directory)"
+    )
+    assert message(read_mechanism, tmp_path) == f"{tmp_path}: cannot be read (Is a directory)"
+
+
+# Writing files whole
+
+
+def test_a_file_is_written_and_replaced(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    assert write_whole(path, "one\n") == path
+    assert write_whole(str(path), b"two\n") == path
+    assert path.read_bytes() == b"two\n"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no permission bits")
+def test_a_new_file_is_as_public_as_any(tmp_path: Path) -> None:
+    (tmp_path / "usual").touch()
+    write_whole(tmp_path / "new", "")
+    assert (tmp_path / "new").stat().st_mode == (tmp_path / "usual").stat().st_mode
+
+
+@pytest.mark.parametrize("step", ["fdopen", "chmod", "replace"])
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt(), MemoryError()])
+def test_a_failure_in_the_middle_leaves_the_old_file_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: str, error: BaseException
+) -> None:
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+
+    def fail(*args: Any, **kwargs: Any) -> None:
+        raise error
+
+    monkeypatch.setattr(os, step, fail)
+    with pytest.raises(InputError if isinstance(error, OSError) else type(error)) as caught:
+        write_whole(path, "new")
+    monkeypatch.undo()
+    if isinstance(error, OSError):
+        assert str(caught.value) == f"{path}: cannot be written here (No space left on device)"
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_places_that_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").write_text("")
+    for place, reason in {
+        tmp_path / "none" / "a.txt": "No such file or directory",
+        tmp_path / "file" / "a.txt": "Not a directory",
+        tmp_path / "folder": "Is a directory",
+        tmp_path / "a\0b": "embedded null byte",
+    }.items():
+        assert message(write_whole, place, "x") == f"{place}: cannot be written here ({reason})"
+    assert message(write_mechanism, FULL, tmp_path / "none" / "n.toml").startswith(f"{tmp_path / 'none' / 'n.toml'}: ")
+    assert sorted(os.listdir(tmp_path)) == ["file", "folder"]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+def test_what_is_no_file_is_not_replaced_by_one(tmp_path: Path) -> None:
+    """Writing to /dev/null as root must not turn it into a file."""
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(InputError, match="cannot be written here"):
+        write_whole(tmp_path / "pipe", "x")
+    assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
+
+
+def test_a_link_stays_a_link(tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to(tmp_path / "file")
+    (tmp_path / "file").write_text("old")
+    write_whole(tmp_path / "link", "new")
+    assert (tmp_path / "file").read_text() == "new"
+    assert (tmp_path / "link").is_symlink()
