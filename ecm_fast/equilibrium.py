@@ -55,7 +55,8 @@ class Equilibrium:
     status : the verdict; `message` says it in words
     iterations : Newton steps taken, over all load steps
     load_factor : how much of the load the stable branch carries: 1 when it carries all, else where it ends
-    jacobian : (3, 2) d(x, z, theta)/d(lam_l, lam_r) [m/N, m/N, rad/N]
+    jacobian : (3, 2) d(x, z, theta)/d(lam_l, lam_r) [m/N, m/N, rad/N]; nan for a slack tendon whose attachment lies
+        inside its pulley, since it has no direction
     compliance : (3, 3) d(x, z, theta)/d(fx, fz, tau) [m/N ... rad/(N m)], symmetric
     q : (3 n_nodes,) x, z, theta of every node, clamp first [m, m, rad]
     """

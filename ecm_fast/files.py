@@ -5,6 +5,7 @@ import errno
 import io
 import math
 import os
+import stat
 import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -35,9 +36,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
         handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
         with os.fdopen(handle, "wb") as file:
             file.write(data)
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(temporary, 0o666 & ~umask)  # mkstemp keeps a file to its owner; a result is as public as any file
+        os.chmod(temporary, _mode(target))
         os.replace(temporary, target)
         temporary = None
     except (OSError, ValueError) as error:
@@ -47,6 +46,15 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
         if temporary is not None:
             os.unlink(temporary)
     return place
+
+
+def _mode(target: Path) -> int:
+    """Return the permissions of the file that is replaced, or those that any new file gets."""
+    if target.exists():
+        return stat.S_IMODE(target.stat().st_mode)
+    umask = os.umask(0)
+    os.umask(umask)
+    return 0o666 & ~umask
 
 
 def csv_text(columns: Mapping[str, Iterable[Any]]) -> str:

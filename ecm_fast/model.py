@@ -161,8 +161,8 @@ class FiniteElementModel:
         loads = _loads(tensions, np.zeros((len(tensions), 3)) if wrench is None else _numbers("wrenches", wrench))
         par = self._par[None] if parameters is None else _numbers("parameters", parameters)
         n = len(loads)
-        if parameters is not None and par.shape != (n, len(PARAMETERS)):
-            raise InputError(f"parameters has shape {par.shape}: allowed is ({n}, {len(PARAMETERS)})")
+        if parameters is not None:
+            _check_parameters(par, n)
         pose, factor, status = np.empty((n, 3)), np.ones(n), np.empty(n, dtype=np.int64)
 
         def part(rows: slice) -> None:
@@ -240,6 +240,18 @@ def _in_threads(part: Callable[[slice], None], n: int, threads: int) -> None:
 
     with ThreadPoolExecutor(len(chunks)) as pool:
         list(pool.map(part, chunks))
+
+
+def _check_parameters(par: Array, n: int) -> None:
+    """Raise where parameter vectors (n, n_parameters) cannot be meant; names the row and the parameter."""
+    if par.shape != (n, len(PARAMETERS)):
+        raise InputError(f"parameters has shape {par.shape}: allowed is ({n}, {len(PARAMETERS)})")
+    lower, upper = (np.array([getattr(entry, bound) for entry in PARAMETERS]) for bound in ("lower", "upper"))
+    outside = ~((par >= lower) & (par <= upper))
+    if outside.any():
+        row, place = np.argwhere(outside)[0]
+        entry = PARAMETERS[place]
+        raise InputError(f"row {row} of parameters: {entry.key} = {par[row, place]}: allowed is {entry.allowed}")
 
 
 def _numbers(name: str, values: ArrayLike) -> Array:

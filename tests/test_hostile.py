@@ -81,7 +81,7 @@ signed = st.one_of(numbers, numbers.map(lambda number: -number))
 tensions = st.one_of(numbers, signed)
 
 
-@hostile(300)
+@hostile(150)
 @given(every_value)
 def test_any_mechanism_goes_to_a_file_and_to_a_vector_and_back(neck: Mechanism) -> None:
     with tempfile.TemporaryDirectory() as folder:
@@ -138,7 +138,7 @@ def check_file(content: bytes) -> None:
             one_line(error, f"{path}: ")
 
 
-@hostile(500)
+@hostile(300)
 @given(trees)
 def test_any_tree_as_a_mechanism_file(tree: dict[str, Any]) -> None:
     text = "\n".join(f"{json.dumps(key, ensure_ascii=False)} = {toml(value)}" for key, value in tree.items())
@@ -151,7 +151,7 @@ def test_any_bytes_as_a_mechanism_file(content: bytes) -> None:
     check_file(content)
 
 
-@hostile(200)
+@hostile(120)
 @given(st.data())
 def test_a_good_file_with_damage(data: st.DataObject) -> None:
     with tempfile.TemporaryDirectory() as folder:
@@ -350,7 +350,7 @@ STIFF_IN_SHEAR = Mechanism().replace(length=1.0, EA=1.0, GA=1e6, EI=1.0, mass_pe
 
 
 @slow_uncompiled
-@hostile(400)
+@hostile(300)
 @given(loaded_necks(), meshes)
 @example((STIFF_IN_SHEAR, (0.0, 0.0), (0.0, 1.0, 0.0)), (1, 1))  # the compliance had lost eleven digits
 def test_a_claimed_equilibrium_is_one(case: Any, mesh: tuple[int, int]) -> None:

@@ -30,8 +30,9 @@ import math
 import numpy as np
 
 from ._jit import kernel, step_kernel
-from .condensed import MAX_STEPS, NEARBY2, TOLERANCE2, largest_step, restart_lane, start_lane, vouches
+from .condensed import LARGEST2, MAX_STEPS, SHRINK2, TOLERANCE2, largest_step, restart_lane, start_lane, vouches
 from .layout import (
+    C_INV_FORCE2,
     C_INV_LENGTH2,
     C_SHIFT,
     C_SLOPE,
@@ -119,17 +120,19 @@ def advance(con, state, lam_l, lam_r):
     state[R_LAM_L], state[R_LAM_R] = lam_l, lam_r
     if not (0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf):
         return np.nan, np.nan, np.nan, INVALID_INPUT
+    warm = vouches(state, 0)
     for attempt in range(2):
-        if attempt > 0 or not state[R_SIZE] < NEARBY2:
+        if attempt == 0 and not warm:
+            continue
+        if attempt == 1:
             restart_lane(con, state, 0)
-        state[R_PIVOT], state[R_EXTREME] = np.inf, 0.0
+        state[R_SIZE], state[R_PIVOT], state[R_EXTREME] = np.inf, np.inf, 0.0
         for _ in range(MAX_STEPS):
             step(con, state, 0)
             if not state[R_SIZE] > TOLERANCE2:
                 break
         if vouches(state, 0):
             return state[R_X], state[R_Z], state[R_THETA], CONVERGED
-    state[R_SIZE] = np.inf
     return np.nan, np.nan, np.nan, NOT_CONVERGED
 '''
 
@@ -370,14 +373,21 @@ class Writer:
             self.set(row(f"KAPPA + {g} * LANES"), f"k{g} + b{g}")
         self.set(row("X"), f"x + b{p}")
         self.set(row("Z"), f"z + b{p + 1}")
-        self.set(row("FORCE_X"), "f_x + i_xx * step_x + i_xz * step_z")
-        self.set(row("FORCE_Z"), "f_z + i_xz * step_x + i_zz * step_z")
+        self.set("b_x, b_z", "i_xx * step_x + i_xz * step_z, i_xz * step_x + i_zz * step_z")
+        self.set(row("FORCE_X"), "f_x + b_x")
+        self.set(row("FORCE_Z"), "f_z + b_z")
         self.set("turned", dot(self.names("w"), own))
         self.set(row("THETA"), "t_tip + turned")
-        self.say("squared size of the step: turns of the sections against rad, positions against the length")
+        self.say("squared size of the step: turns in rad, positions as shares of the length, and the tip force")
         squares = [f"(w{g} * b{g}) * (w{g} * b{g})" for g in self.points]
         squares += [f"(b{p} * b{p} + b{p + 1} * b{p + 1}) * con[C_INV_LENGTH2]"]
-        self.set(row("SIZE"), " + ".join(squares))
+        squares += ["(b_x * b_x + b_z * b_z) * con[C_INV_FORCE2]"]
+        squares += ["turned * turned"]
+        self.set("size", " + ".join(squares))
+        self.say("a step that does not shrink, or a large first one, may lead to another branch: not vouched for")
+        self.set("astray", f"size > min(LARGEST2, SHRINK2 * {row('SIZE')}) and size > TOLERANCE2")
+        self.set("extreme", "2.0 if astray else extreme")
+        self.set(row("SIZE"), "size")
         self.set(row("PIVOT"), "pivot")
         self.set(row("EXTREME"), "extreme")
 

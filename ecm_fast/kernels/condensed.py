@@ -19,6 +19,7 @@ import numpy as np
 
 from ._jit import kernel
 from .layout import (
+    C_INV_FORCE2,
     C_INV_LENGTH2,
     C_SHIFT,
     C_SLOPE,
@@ -58,6 +59,7 @@ from .layout import (
     S_LOAD_Z,
     S_OFFSET,
     S_WEIGHT,
+    T_BENDING_FORCE,
     T_LENGTH,
     T_WEIGHT_X,
     T_WEIGHT_Z,
@@ -78,9 +80,12 @@ __all__ = [
 
 # N/EA over which the polynomials for the stretch hold: from 9 % shortening to 4 % stretch
 LOWEST, HIGHEST = -0.10, 0.04
-# squares of a step, in rad and shares of the length: of the last one, and of one from which going on is hopeless
-TOLERANCE2, NEARBY2 = 1e-18, 1e-2
+# squares of a step, in rad and shares of the length: of the last one, of the largest first one, and of the ratio of
+# two successive ones
+TOLERANCE2, LARGEST2, SHRINK2 = 1e-18, 1.0, 0.25
 MAX_STEPS = 7
+# a tip force that still changes by 1e-7 EI/length^2 counts as much as a step of 1e-9
+FORCE_SHARE = 0.01
 
 
 def constants_size(order: int) -> int:
@@ -122,6 +127,7 @@ def condense(stations, tip, q_rest, turn, fit_at, to_stretch, to_slope, con):
     length = tip[T_LENGTH]
     con[:N_TIP] = tip
     con[C_THETA0], con[C_INV_LENGTH2] = q_rest[2], 1.0 / (length * length)
+    con[C_INV_FORCE2] = (FORCE_SHARE / tip[T_BENDING_FORCE]) ** 2
     half = 0.5 * (HIGHEST - LOWEST)
     con[C_SHIFT] = -0.5 * (HIGHEST + LOWEST) / half
     con[C_STRETCH:C_STATION] = 0.0
@@ -200,7 +206,8 @@ def largest_step(state):
 def vouches(state, j):
     """Whether lane `j` holds a stable equilibrium that the fast path vouches for.
 
-    Every iterate must have been stable and inside the range of the polynomials, and the last step below the
-    tolerance. Where it does not vouch, that is no verdict: the robust solver decides.
+    Every iterate must have been stable and inside the range of the polynomials, every step must have shrunk by half
+    at least, and the last one below the tolerance. Where it does not vouch, that is no verdict: the robust solver
+    decides.
     """
     return state[R_SIZE + j] < TOLERANCE2 and state[R_PIVOT + j] > 0.0 and state[R_EXTREME + j] <= 1.0

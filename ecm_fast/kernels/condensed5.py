@@ -8,8 +8,9 @@ import math
 import numpy as np
 
 from ._jit import kernel, step_kernel
-from .condensed import MAX_STEPS, NEARBY2, TOLERANCE2, largest_step, restart_lane, start_lane, vouches
+from .condensed import LARGEST2, MAX_STEPS, SHRINK2, TOLERANCE2, largest_step, restart_lane, start_lane, vouches
 from .layout import (
+    C_INV_FORCE2,
     C_INV_LENGTH2,
     C_SHIFT,
     C_SLOPE,
@@ -404,12 +405,17 @@ def step(con, state, j):
     state[R_KAPPA + 4 * LANES + j] = k4 + b4
     state[R_X + j] = x + b5
     state[R_Z + j] = z + b6
-    state[R_FORCE_X + j] = f_x + i_xx * step_x + i_xz * step_z
-    state[R_FORCE_Z + j] = f_z + i_xz * step_x + i_zz * step_z
+    b_x, b_z = i_xx * step_x + i_xz * step_z, i_xz * step_x + i_zz * step_z
+    state[R_FORCE_X + j] = f_x + b_x
+    state[R_FORCE_Z + j] = f_z + b_z
     turned = w0 * b0 + w1 * b1 + w2 * b2 + w3 * b3 + w4 * b4
     state[R_THETA + j] = t_tip + turned
-    # squared size of the step: turns of the sections against rad, positions against the length
-    state[R_SIZE + j] = (w0 * b0) * (w0 * b0) + (w1 * b1) * (w1 * b1) + (w2 * b2) * (w2 * b2) + (w3 * b3) * (w3 * b3) + (w4 * b4) * (w4 * b4) + (b5 * b5 + b6 * b6) * con[C_INV_LENGTH2]
+    # squared size of the step: turns in rad, positions as shares of the length, and the tip force
+    size = (w0 * b0) * (w0 * b0) + (w1 * b1) * (w1 * b1) + (w2 * b2) * (w2 * b2) + (w3 * b3) * (w3 * b3) + (w4 * b4) * (w4 * b4) + (b5 * b5 + b6 * b6) * con[C_INV_LENGTH2] + (b_x * b_x + b_z * b_z) * con[C_INV_FORCE2] + turned * turned
+    # a step that does not shrink, or a large first one, may lead to another branch: not vouched for
+    astray = size > min(LARGEST2, SHRINK2 * state[R_SIZE + j]) and size > TOLERANCE2
+    extreme = 2.0 if astray else extreme
+    state[R_SIZE + j] = size
     state[R_PIVOT + j] = pivot
     state[R_EXTREME + j] = extreme
 
@@ -452,15 +458,17 @@ def advance(con, state, lam_l, lam_r):
     state[R_LAM_L], state[R_LAM_R] = lam_l, lam_r
     if not (0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf):
         return np.nan, np.nan, np.nan, INVALID_INPUT
+    warm = vouches(state, 0)
     for attempt in range(2):
-        if attempt > 0 or not state[R_SIZE] < NEARBY2:
+        if attempt == 0 and not warm:
+            continue
+        if attempt == 1:
             restart_lane(con, state, 0)
-        state[R_PIVOT], state[R_EXTREME] = np.inf, 0.0
+        state[R_SIZE], state[R_PIVOT], state[R_EXTREME] = np.inf, np.inf, 0.0
         for _ in range(MAX_STEPS):
             step(con, state, 0)
             if not state[R_SIZE] > TOLERANCE2:
                 break
         if vouches(state, 0):
             return state[R_X], state[R_Z], state[R_THETA], CONVERGED
-    state[R_SIZE] = np.inf
     return np.nan, np.nan, np.nan, NOT_CONVERGED

@@ -18,21 +18,23 @@ L_LAM_L, L_LAM_R, L_FX, L_FZ, L_TAU, L_GRAVITY, N_LOADS = range(7)
 (S_WEIGHT, S_INV_H, S_EA, S_GA, S_EI, S_KAPPA0, S_OFFSET, S_HOOKE, S_LOAD_X, S_LOAD_Z, N_STATION) = range(11)
 
 # tip: attachment of left and right tendon in the head frame [m], pulley centers [m], pulley radius [m],
-# center of mass in the head frame [m], head's weight in x and z [N], length of the beam [m]
+# center of mass in the head frame [m], head's weight in x and z [N], length of the beam [m], EI/length^2 [N], largest
+# last Newton step [rad, shares of the length]
 (T_ATTACH_LX, T_ATTACH_LZ, T_ATTACH_RX, T_ATTACH_RZ, T_PULLEY_LX, T_PULLEY_LZ, T_PULLEY_RX, T_PULLEY_RZ,
- T_RADIUS, T_COM_X, T_COM_Z, T_WEIGHT_X, T_WEIGHT_Z, T_LENGTH, N_TIP) = range(15)
+ T_RADIUS, T_COM_X, T_COM_Z, T_WEIGHT_X, T_WEIGHT_Z, T_LENGTH, T_BENDING_FORCE,
+ T_TOLERANCE, N_TIP) = range(17)
 
 # out: pose, Newton steps taken, last load factor reached on the stable branch, free length of the shorter tendon,
 # tangent stiffness at Q (lower triangle xx, zx, zz, tx, tz, tt)
 (O_X, O_Z, O_THETA, O_ITERATIONS, O_FACTOR, O_FREE_LENGTH, O_KXX, O_KZX, O_KZZ, O_KTX, O_KTZ, O_KTT, N_OUT) = range(13)
 
 # constants of the condensed formulation, one flat array: the tip's come first, then the clamp's angle [rad],
-# 1/length^2, the shift of the scaled axial force and the polynomials in it for the stretch and its slope, then eight
-# numbers a Gauss point (weight [m], scale of the axial force [1/N], 1/EA, weight * EI, that times the curvature as
-# built, dead load beyond the point in x and z [N], 1/GA), then the matrix that integrates the curvature from the
-# clamp to each Gauss point [m]
+# 1/length^2, 1/force^2 (a tip force that changes by this force counts as a turn of 1 rad), the shift of the scaled
+# axial force and the polynomials in it for the stretch and its slope, then eight numbers a Gauss point (weight [m],
+# scale of the axial force [1/N], 1/EA, weight * EI, that times the curvature as built, dead load beyond the point in
+# x and z [N], 1/GA), then the matrix that integrates the curvature from the clamp to each Gauss point [m]
 N_STRETCH, N_SLOPE, N_POINT = 13, 9, 8
-C_THETA0, C_INV_LENGTH2, C_SHIFT, C_STRETCH = range(N_TIP, N_TIP + 4)
+C_THETA0, C_INV_LENGTH2, C_INV_FORCE2, C_SHIFT, C_STRETCH = range(N_TIP, N_TIP + 5)
 C_SLOPE = C_STRETCH + N_STRETCH
 C_STATION = C_SLOPE + N_SLOPE
 

@@ -24,6 +24,7 @@ from .layout import (
     O_X,
     O_Z,
     T_LENGTH,
+    T_TOLERANCE,
     TENDON_ZERO_LENGTH,
     UNSTABLE,
 )
@@ -31,8 +32,6 @@ from .trig import sincos
 
 __all__ = ["advance", "solve", "solve_work_size", "take"]
 
-# the last step's size, in rad and shares of the length; Newton squares it once more
-TOLERANCE = 1e-9
 # below this a step that no longer shrinks is rounding (large EA against EI), not progress
 ROUNDING_FLOOR = 1e-6
 MAX_ITERATIONS = 12
@@ -110,7 +109,7 @@ def _correct(basis, stations, tip, loads, q, work, step, out, limit, shrink):
         not_positive, out[O_FREE_LENGTH] = newton_step(basis, stations, tip, loads, q, work, step, out[O_KXX:])
         size = _step_size(step, tip[T_LENGTH])
         out[O_ITERATIONS] += 1.0
-        at_floor = size < TOLERANCE or (size < ROUNDING_FLOOR and size > 0.5 * before)
+        at_floor = size < tip[T_TOLERANCE] or (size < ROUNDING_FLOOR and size > 0.5 * before)
         if not (at_floor or size <= limit):
             return NOT_CONVERGED
         if not_positive > 0 and shrink < 1.0:

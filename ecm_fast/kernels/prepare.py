@@ -21,6 +21,7 @@ from .layout import (
     T_ATTACH_LZ,
     T_ATTACH_RX,
     T_ATTACH_RZ,
+    T_BENDING_FORCE,
     T_COM_X,
     T_COM_Z,
     T_LENGTH,
@@ -29,6 +30,7 @@ from .layout import (
     T_PULLEY_RX,
     T_PULLEY_RZ,
     T_RADIUS,
+    T_TOLERANCE,
     T_WEIGHT_X,
     T_WEIGHT_Z,
 )
@@ -45,6 +47,10 @@ PRECURVATURE, NEUTRAL_AXIS_OFFSET = index("precurvature"), index("neutral_axis_o
 CLAMP_TILT, GRAVITY_TILT, HEAD_MASS = index("clamp_tilt"), index("gravity_tilt"), index("effects.head_mass")
 PULLEY_HEIGHT, PULLEY_HEIGHT_ASYMMETRY = index("pulley_height"), index("pulley_height_asymmetry")
 PULLEY_SPACING, PULLEY_SHIFT = index("pulley_spacing"), index("pulley_shift")
+
+# largest last Newton step, in rad and shares of the length, and largest error of the contact force it may leave, as a
+# share of EI/length^2; Newton squares both once more
+TOLERANCE, FORCE_TOLERANCE = 1e-9, 1e-7
 
 
 @kernel
@@ -83,6 +89,11 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
     head_mass = par[MASS] + par[HEAD_MASS]
     tip[T_WEIGHT_X], tip[T_WEIGHT_Z] = head_mass * gravity_x, head_mass * gravity_z
     tip[T_LENGTH] = length
+    # the verdict on stability needs the contact force to a small share of the bending stiffness, so where stretching
+    # is stiff a Newton step must be smaller to be the last
+    tip[T_BENDING_FORCE] = par[EI] / (length * length)
+    stiff = max(par[EA].real, par[GA].real) / tip[T_BENDING_FORCE].real
+    tip[T_TOLERANCE] = min(TOLERANCE, FORCE_TOLERANCE / stiff)
 
     sin_clamp, cos_clamp = sincos(par[CLAMP_TILT])
     for i in range(nodes.shape[0]):
