@@ -186,7 +186,7 @@ class FiniteElementModel:
         """Return ``step(lam_l, lam_r) -> x, z, theta, status`` for a control loop.
 
         Each call starts from the equilibrium of the one before, takes a bounded number of Newton steps, allocates no
-        memory, releases the interpreter's lock and never raises. ``status`` is a value of `Status`: 0 is a stable
+        array, releases the interpreter's lock and never raises. ``status`` is a value of `Status`: 0 is a stable
         equilibrium; where there is none, the pose is nan. Each thread needs a stepper of its own.
 
         Parameters

@@ -1,7 +1,5 @@
 """Derivatives of the tip pose by the loads, from the factor that Newton's step leaves."""
 
-import numpy as np
-
 from ._jit import kernel
 from .front import newton_step, solve_spd3
 from .tip import tendon_directions
@@ -21,7 +19,7 @@ def tip_derivatives(basis, stations, tip, loads, q, work, step, compliance, jaco
     Implicit function theorem: K dq = d(loads), and the stiffness seen at the tip is all of K that the tip needs.
     Returns the number of pivots that are not positive.
     """
-    K = np.empty(6)
+    K = jacobian.reshape(6)  # its six places are free until the end
     not_positive, _ = newton_step(basis, stations, tip, loads, q, work, step, K)
     for i in range(3):
         for k in range(3):
