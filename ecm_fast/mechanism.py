@@ -1,6 +1,5 @@
 """What is built: beam, head, tendons, gravity, effects. SI units and radians, checked once, then frozen."""
 
-import math
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -232,11 +231,6 @@ class Mechanism:
         if effects:
             changed["effects"] = Effects({**self.effects, **effects})
         return replace(self, **changed)
-
-    def rest_pose(self) -> tuple[float, float, float]:
-        """Return the tip's pose (x, z, theta) of the straight, unloaded beam in its clamp [m, m, rad]."""
-        tilt = self.effects.get("clamp_tilt", 0.0)
-        return self.beam.length * math.cos(tilt), -self.beam.length * math.sin(tilt), tilt
 
 
 def _length(default: float, status: Status, source: str) -> Quantity:

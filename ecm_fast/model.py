@@ -164,11 +164,12 @@ class FiniteElementModel:
         if parameters is not None:
             _check_parameters(par, n)
         pose, factor, status = np.empty((n, 3)), np.ones(n), np.empty(n, dtype=np.int64)
+        fast = self._condensed if parameters is None else None
 
         def part(rows: slice) -> None:
             todo = np.arange(n)[rows]
-            if self._condensed is not None and parameters is None:
-                self._condensed.solve(loads[rows], pose[rows], status[rows])
+            if fast is not None:
+                fast.solve(loads[rows], pose[rows], status[rows])
                 todo = todo[status[rows] != Status.CONVERGED]
             if todo.size:
                 own = par if parameters is None else par[todo]
@@ -197,11 +198,11 @@ class FiniteElementModel:
         stations, tip, q_rest, _, _ = self._system
         _, _, _, q, work = _work_arrays(self.discretization)
         q[:] = q_rest
-        basis, out = self.discretization.tables, np.empty(N_OUT)
+        tables, out = self.discretization.tables, np.empty(N_OUT)
 
         def robust_step(lam_l: float, lam_r: float) -> tuple[float, float, float, int]:
             loads[L_LAM_L], loads[L_LAM_R] = lam_l, lam_r
-            status = advance(basis, stations, tip, q_rest, loads, q, work, out)
+            status = advance(tables, stations, tip, q_rest, loads, q, work, out)
             if status <= Status.UNSTABLE:
                 return float(out[O_X]), float(out[O_Z]), float(out[O_THETA]), status
             return NAN, NAN, NAN, status

@@ -101,13 +101,6 @@ def test_every_effect_is_absent_by_default() -> None:
         assert effect.size.status == "zero"
 
 
-def test_the_rest_pose_is_the_straight_beam_in_its_clamp() -> None:
-    assert Mechanism().rest_pose() == (0.109, 0.0, 0.0)
-    x, z, theta = Mechanism().replace(length=2.0, clamp_tilt=math.pi / 6).rest_pose()
-    # theory.md: e_x^C = (cos theta, -sin theta)
-    assert (x, z, theta) == pytest.approx((math.sqrt(3.0), -1.0, math.pi / 6))
-
-
 # Values
 
 

@@ -180,10 +180,8 @@ def _step_size(step, length):
 @kernel
 def _follow(basis, stations, tip, q_rest, loads, q, work, out):
     """Let all loads grow from zero along the stable branch; where it ends, say why."""
-    n = q.shape[0]
     q[:] = q_rest
     out[O_FACTOR] = 0.0
-    work[n : 2 * n] = q_rest
     reached = _walk(basis, stations, tip, loads, q, work, out, 0.0, True)
     out[O_FACTOR] = reached
     if reached == 1.0:
