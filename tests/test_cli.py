@@ -114,7 +114,7 @@ def test_solve_takes_the_mechanism_and_the_discretization(run: Run) -> None:
 def test_solve_gives_the_derivatives_of_a_cantilever_at_rest(run: Run) -> None:
     answer = run("solve", "--tendons", "0", "0", "--mechanism", "bare.toml", "--json").json
     L, EA, GA, EI, d = 0.109, 7500.0, 2420.0, 3.0, 0.070
-    # theory.md, small tip force: z = f L^3/(3 EI) + f L/GA, theta = -f L^2/(2 EI)
+    # closed form for a small tip force: z = f L^3/(3 EI) + f L/GA, theta = -f L^2/(2 EI)
     zz, zt, tt = L**3 / (3 * EI) + L / GA, -(L**2) / (2 * EI), L / EI
     for row, expected in zip(answer["compliance"], [[L / EA, 0, 0], [0, zz, zt], [0, zt, tt]], strict=True):
         assert row == pytest.approx(expected, rel=1e-9, abs=1e-15)
@@ -149,7 +149,7 @@ def test_an_unstable_equilibrium_is_said_on_stderr_and_is_no_failure(run: Run) -
     ended = run("solve", "--tendons", "0", "0", "--wrench", "-600", "0", "0", "--mechanism", "bare.toml", "--json")
     assert ended.code == 0
     assert (ended.json["converged"], ended.json["stable"], ended.json["status"]) == (True, False, "unstable")
-    # theory.md: the neo-Hookean neck of 0.109 m buckles at 539.05 N
+    # closed form: the neo-Hookean neck of 0.109 m buckles at 539.05 N
     assert ended.json["load_factor"] * 600.0 == pytest.approx(539.05, abs=0.005)
     assert ended.err == f"ecm-fast: {ended.json['message']}\n"
     assert ended.json["message"].startswith("equilibrium, but not stable: the load passes the buckling load at 0.898")

@@ -1,4 +1,4 @@
-"""Mechanism, its file and its vector, against the table of parameters in theory.md and texts written by hand."""
+"""Mechanism, its file and its vector, against the paper and texts written by hand."""
 
 import copy
 import math
@@ -19,7 +19,7 @@ from ecm_fast.mechanism import PRESETS, Beam, Effects, Gravity, Head, Mechanism,
 from ecm_fast.mechanism_file import read_mechanism, template, write_mechanism
 from ecm_fast.parameters import PARAMETERS, find, index, pack, unpack
 
-# theory.md, "Parameters: what the paper states and what had to be inferred"
+# what the paper states, and what had to be inferred from it or assumed
 THEORY = {
     "beam.length": (0.109, "found"),
     "beam.EA": (7500.0, "stated"),
