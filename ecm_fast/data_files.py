@@ -16,7 +16,7 @@ import numpy as np
 
 from .data_columns import is_note, match
 from .data_mat import Unreadable, read_level5
-from .errors import InputError
+from .errors import InputError, why
 
 __all__ = ["Table", "read_table", "table_of"]
 
@@ -54,7 +54,7 @@ def read_table(path: str | os.PathLike[str]) -> Table:
     except InputError:
         raise
     except (OSError, ValueError) as error:  # a ValueError is a path with a NUL in it
-        raise InputError(f"cannot be read ({getattr(error, 'strerror', None) or error})") from None
+        raise InputError(f"cannot be read ({why(error)})") from None
     return reader(content, target)
 
 

@@ -10,7 +10,7 @@ Kernels never raise: they return a status, and `Equilibrium.raise_if_failed` is 
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-__all__ = ["EcmError", "InputError", "NotConverged", "did_you_mean", "key_shown", "shown"]
+__all__ = ["EcmError", "InputError", "NotConverged", "did_you_mean", "key_shown", "shown", "why"]
 
 
 class EcmError(Exception):
@@ -36,6 +36,12 @@ def did_you_mean(word: str, allowed: Iterable[str]) -> str:
 def key_shown(key: str) -> str:
     """Return a key as it is written in a file, quoted where it holds anything but plain characters."""
     return key if key.isprintable() and len(key) <= 80 else shown(key)
+
+
+def why(error: Exception) -> str:
+    """Return the system's reason for refusing a file, in the same words on every Python."""
+    reason = getattr(error, "strerror", None) or str(error)
+    return "embedded null byte" if "embedded null" in reason else reason
 
 
 def shown(value: object) -> str:

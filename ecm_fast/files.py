@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from .errors import InputError
+from .errors import InputError, why
 
 __all__ = ["csv_text", "write_whole"]
 
@@ -40,8 +40,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
         os.replace(temporary, target)
         temporary = None
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{place}: cannot be written here ({reason})") from None
+        raise InputError(f"{place}: cannot be written here ({why(error)})") from None
     finally:
         if temporary is not None:
             os.unlink(temporary)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from .effects import CATALOGUE
-from .errors import InputError, did_you_mean, key_shown, shown
+from .errors import InputError, did_you_mean, key_shown, shown, why
 from .files import write_whole
 from .mechanism import PRESETS, SECTIONS, Effects, Mechanism
 from .parameters import PARAMETERS
@@ -27,7 +27,7 @@ def read_mechanism(path: str | os.PathLike[str]) -> Mechanism:
     try:
         content = tomllib.loads(Path(path).read_bytes().decode("utf-8-sig"))
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+        raise InputError(f"{path}: cannot be read ({why(error)})") from None
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not a TOML file ({str(error).splitlines()[0]})") from None
     try:

@@ -215,14 +215,14 @@ def test_column_under_a_perfectly_axial_load(table):
 def test_a_column_of_steel_buckles(stiff):
     """Euler: the critical load does not depend on EA = GA, so neither may the verdict.
 
-    Positions are rounded to 1e-16 of the length; differentiated by eight elements of order 6, whose shape functions'
-    slopes add up to 220, they give the stretch to 2e-14, so the axial force to twice 2e-14 EA where Newton stops.
+    Positions are known to a few units in the last place, 1e-15 of the length; eight elements of order 6, whose shape
+    functions' slopes add up to 220, turn that into 2e-13 of the stretch, so 2e-13 EA of the axial force.
     """
     model = elastica(EA=stiff, GA=stiff)
     for times in (1.001, 1.3, 4.0):
         solved = model.solve(wrench=(-times * P_EULER, 0.0, 0.0))
         assert solved.status is Status.UNSTABLE
-        assert abs(times * solved.load_factor - 1.0) < max(1e-7, 4e-14 * stiff)
+        assert abs(times * solved.load_factor - 1.0) < max(1e-7, 2e-13 * stiff / P_EULER)
 
 
 @pytest.mark.parametrize(("law", "key"), [("neo-hookean", "P_nh"), ("hooke", "P_hooke")])

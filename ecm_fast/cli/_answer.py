@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, why
 
 __all__ = [
     "BAD_INPUT",
@@ -79,7 +79,7 @@ def folder(path: str) -> Path:
     try:
         Path(path).mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
-        raise InputError(f"--out {path}: cannot be made ({getattr(error, 'strerror', None) or error})") from None
+        raise InputError(f"--out {path}: cannot be made ({why(error)})") from None
     return Path(path)
 
 

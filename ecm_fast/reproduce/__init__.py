@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from ..errors import InputError, why
 from ..files import write_whole
 from ..report import VERDICTS, Section, Table, require, write_report
 from ._claim import Claim, Part, plain
@@ -67,7 +67,7 @@ def reproduce(out: str | os.PathLike[str], *, progress: Callable[[str], None] | 
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
-        raise InputError(f"{folder}: cannot be made ({getattr(error, 'strerror', None) or error})") from None
+        raise InputError(f"{folder}: cannot be made ({why(error)})") from None
     parts = {}
     for name, (what, redo) in _PARTS.items():
         if progress is not None:
