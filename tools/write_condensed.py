@@ -3,14 +3,13 @@
     python tools/write_condensed.py [--check]
 
 The step is written out, without loops, because only then does the compiler vectorize a loop over load cases around
-it. What the step computes is stated in the docstring it carries; read it here, where the loops still are loops.
+it. What the step computes is stated in `ecm_fast/kernels/condensed.py`; read it here, where the loops still are loops.
 """
 
 import argparse
-from collections.abc import Callable
+import math
+from fractions import Fraction
 from pathlib import Path
-
-import numpy as np
 
 from ecm_fast.kernels.layout import N_SLOPE, N_STRETCH
 
@@ -137,17 +136,21 @@ def advance(con, state, lam_l, lam_r):
 '''
 
 
-def fit_in_square(function: Callable[[np.ndarray], np.ndarray], n: int) -> list[float]:
-    """Return n coefficients of a function of t^2, interpolated at Chebyshev points up to MAX_ANGLE."""
-    x = np.cos(np.pi * (np.arange(n) + 0.5) / n).astype(np.longdouble)
-    square = np.longdouble(0.5 * MAX_ANGLE**2) * (1 + x)
-    table = function(np.sqrt(square))
+def fit_in_square(first: int, n: int) -> list[float]:
+    """Return n coefficients, in t^2, of cos t (`first` 0) or sin t / t (`first` 1), interpolated up to MAX_ANGLE.
+
+    At Chebyshev points rounded to six digits, and in fractions, so that every machine writes the same digits.
+    """
+    places = [0.5 * MAX_ANGLE**2 * (1.0 + math.cos(math.pi * (k + 0.5) / n)) for k in range(n)]
+    square = [Fraction(round(place * 1e6), 10**6) for place in places]
+    table = [sum(Fraction((-1) ** k, math.factorial(2 * k + first)) * s**k for k in range(25)) for s in square]
     for k in range(1, n):
-        table[k:] = (table[k:] - table[k - 1 : -1]) / (square[k:] - square[: n - k])
-    powers = np.zeros(n, dtype=np.longdouble)
-    for k in range(n - 1, -1, -1):
-        powers = np.concatenate([[0], powers[:-1]]) - square[k] * powers
-        powers[0] += table[k]
+        for i in range(n - 1, k - 1, -1):
+            table[i] = (table[i] - table[i - 1]) / (square[i] - square[i - k])
+    powers = [Fraction(0)] * n
+    for value, place in zip(reversed(table), reversed(square), strict=True):
+        powers = [below - place * own for below, own in zip([Fraction(0), *powers[:-1]], powers, strict=True)]
+        powers[0] += value
     return [float(value) for value in powers]
 
 
@@ -175,8 +178,8 @@ def horner(coefficients: list[str], variable: str) -> str:
     return text
 
 
-SIN = [repr(value) for value in fit_in_square(lambda t: np.sin(t) / t, N_SIN)]
-COS = [repr(value) for value in fit_in_square(np.cos, N_COS)]
+SIN = [repr(value) for value in fit_in_square(1, N_SIN)]
+COS = [repr(value) for value in fit_in_square(0, N_COS)]
 
 
 def K(i: int, j: int) -> str:
