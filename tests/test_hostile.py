@@ -1,10 +1,9 @@
-"""Hostile input: whatever comes in, the answer is right, or says why there is none, in one line and in time."""
+"""Hostile input: whatever comes in, the answer is right, or says why there is none, in one line and in bounded work."""
 
 import contextlib
 import io
 import json
 import tempfile
-import time
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from ecm_fast.cli import main
 from ecm_fast.discretization import Discretization
 from ecm_fast.equilibrium import Equilibrium, Status
 from ecm_fast.errors import InputError
+from ecm_fast.kernels.newton import MAX_ITERATIONS, MAX_LOAD_STEPS
 from ecm_fast.mechanism import AXIAL_LAWS, SECTIONS, Mechanism
 from ecm_fast.mechanism_file import read_mechanism, write_mechanism
 from ecm_fast.model import FiniteElementModel
@@ -26,7 +26,8 @@ from ecm_fast.parameters import PARAMETERS, find, pack, unpack
 from ecm_fast.quantity import Quantity
 
 EPS = float(np.finfo(np.float64).eps)
-SECONDS = 5.0
+# one try at full load and two walks of load steps, each with at most so many Newton steps: no load makes a solve hang
+MOST_STEPS = MAX_ITERATIONS * (1 + 2 * MAX_LOAD_STEPS)
 slow_uncompiled = pytest.mark.skipif(
     bool(numba.config.DISABLE_JIT), reason="takes minutes with kernels that are not compiled"
 )
@@ -43,7 +44,7 @@ def hostile(examples: int) -> settings:
 
 @pytest.fixture(scope="module", autouse=True)
 def _compiled() -> None:
-    """Compile first: what is timed below is the work."""
+    """Compile first, so that no example is slow for that."""
     for elements in (1, 2):
         for order in range(1, 7):
             model = FiniteElementModel(elements=elements, order=order)
@@ -179,7 +180,6 @@ def test_any_mechanism_under_any_load(
 ) -> None:
     lam, wrench = (lam_l, lam_r), (fx, fz, tau)
     finite, pulls = bool(np.isfinite([*lam, *wrench]).all()), not (lam_l < 0.0 or lam_r < 0.0)
-    started = time.perf_counter()
     model = FiniteElementModel(neck, *mesh)
     try:
         eq = model.solve(lam, wrench)
@@ -191,6 +191,7 @@ def test_any_mechanism_under_any_load(
         assert pulls
         answered(eq.pose, eq.status)
         assert 0.0 <= eq.load_factor <= 1.0
+        assert eq.iterations <= MOST_STEPS
         assert np.isfinite(eq.compliance).all() or not eq.converged
         assert eq.message
         assert np.isfinite(eq.shape(3)).all()
@@ -204,7 +205,6 @@ def test_any_mechanism_under_any_load(
         assert (Status(batch.status[0]) is Status.INVALID_INPUT) == (not finite)
         for pose, status in zip(batch.pose, batch.status, strict=True):
             answered(pose, Status(status))
-    assert time.perf_counter() - started < SECONDS
 
 
 @slow_uncompiled
@@ -356,9 +356,8 @@ STIFF_IN_SHEAR = Mechanism().replace(length=1.0, EA=1.0, GA=1e6, EI=1.0, mass_pe
 def test_a_claimed_equilibrium_is_one(case: Any, mesh: tuple[int, int]) -> None:
     neck, lam, wrench = case
     model = FiniteElementModel(neck, *mesh)
-    started = time.perf_counter()
     eq = model.solve(lam, wrench)
-    assert time.perf_counter() - started < SECONDS
+    assert eq.iterations <= MOST_STEPS
     answered(eq.pose, eq.status)
     if eq.converged:
         check_equilibrium(model, lam, wrench, eq)
@@ -423,10 +422,9 @@ def test_a_claimed_equilibrium_is_one_under_a_colossal_load(axis: int, power: in
 
 
 @slow_uncompiled
-def test_a_fine_mesh_that_finds_no_equilibrium_gives_up_in_time() -> None:
-    started = time.perf_counter()
+def test_a_fine_mesh_that_finds_no_equilibrium_gives_up() -> None:
     eq = FiniteElementModel(elements=400, order=6).solve((0.0, 0.0), (0.0, 0.0, 3e4))
-    assert time.perf_counter() - started < SECONDS
+    assert eq.iterations <= MOST_STEPS
     answered(eq.pose, eq.status)
 
 

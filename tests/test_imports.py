@@ -31,6 +31,14 @@ def test_the_model_loads_no_optimizer_and_no_plots() -> None:
     assert modules & {"scipy.optimize", "scipy.stats", "scipy.sparse", "matplotlib", "pyarrow"} == set()
 
 
+def test_imports_go_one_way() -> None:
+    pytest.importorskip("importlinter")
+    command = [sys.executable, "-c", "from importlinter.cli import lint_imports_command as run; run()", "--no-cache"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=PACKAGE.parent)
+    assert done.returncode == 0, done.stdout
+    assert " 0 broken" in done.stdout
+
+
 def test_every_public_name_is_there() -> None:
     for name in ecm_fast.__all__:
         assert getattr(ecm_fast, name) is not None
