@@ -1,48 +1,159 @@
 """The fast path of a model: which mechanisms it takes, and the kernels of its order."""
 
+import functools
+from collections.abc import Callable
 from importlib import import_module
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .discretization import Discretization
-from .kernels import condensed
+from .kernels import condensed, start, stepper
+from .kernels.layout import CONVERGED, L_FX, L_GRAVITY, LANES, N_LOADS, N_STATION, N_TIP, R_FX, R_FZ, R_TAU
 
-__all__ = ["Condensation"]
+__all__ = ["Condensation", "Guess", "solve_mechanisms"]
 
 Array = NDArray[np.float64]
+Step = Callable[[float, float], tuple[float, float, float, int]]
 ORDERS = (3, 4, 5, 6)
-_FIT = condensed.stretch_fit()
+Guess = tuple[Array, float]
+"""Coefficients of `kernels.start.guess`, and up to which tendon force they hold."""
+# a fit that is farther off than this, in rad and lengths, is a poor place to start from
+POOR = 0.02
+_STRETCH = condensed.stretch_polynomials()
 
 
 class Condensation:
-    """The condensed formulation of one mechanism, see `kernels.condensed`.
+    """The condensed formulation of one mechanism on one mesh, see `kernels.condensed`.
 
     Its constants are read only; every thread brings its own state.
     """
 
     def __init__(self, mesh: Discretization, con: Array) -> None:
         self.con = con
-        self._order = mesh.order
-        self._kernels = import_module(f".kernels.condensed{mesh.order}", __package__)
-        self.advance = self._kernels.advance
+        self.mesh = mesh
+        self._kernels = kernels_of(mesh)
+        self._straight = np.empty((5 + mesh.order, start.N_GUESS)), 0.0
 
     @classmethod
     def of(cls, mesh: Discretization, stations: Array, tip: Array, q_rest: Array) -> "Condensation | None":
         """Return the condensed formulation, or None where the mechanism or the discretization does not permit it."""
-        if mesh.n_elements != 1 or mesh.order not in ORDERS or mesh.gauss != mesh.order:
+        if not permits(mesh):
             return None
         con = np.empty(condensed.constants_size(mesh.order))
-        applies = condensed.condense(stations, tip, q_rest, mesh.turn, *_FIT, con)
+        applies = condensed.condense(stations, tip, q_rest, mesh.turn, mesh.slopes, _STRETCH, con)
         return cls(mesh, con) if applies and np.isfinite(con).all() else None
 
-    def new_state(self, loads: Array | None = None) -> Array:
-        """Return work space for one thread; with loads (N_LOADS,), for `advance`, nothing solved yet."""
-        state = np.zeros(condensed.state_size(self._order))
-        if loads is not None:
-            condensed.start_lane(self.con, loads, state, 0)
+    def solve(
+        self, loads: Array, last2: float, pose: Array, status: NDArray[np.int64], guess: Guess | None = None
+    ) -> Array:
+        """Solve rows of loads (n, N_LOADS) into pose (n, 3) and status (n,), see `kernels.condensed4.solve_loads`.
+
+        last2 : largest squared last step of Newton's method
+        guess : what `fit_guess` returned for loads with this wrench; none: the beam starts straight
+
+        Returns the state of the last lanes.
+        """
+        coefficients, lam_max = self._straight if guess is None else guess
+        state = np.zeros(LANES * condensed.state_size(self.mesh.order))
+        self._kernels.solve_loads(self.con, coefficients, lam_max, loads, last2, state, pose, status)
         return state
 
-    def solve(self, loads: Array, pose: Array, status: NDArray[np.int64]) -> None:
-        """Solve rows of loads (n, N_LOADS) into pose (n, 3) and status (n,); see `kernels.condensed`."""
-        self._kernels.solve_block(self.con, loads, self.new_state(), pose, status)
+    def fit_guess(self, lam_max: float, wrench: Array) -> Guess | None:
+        """Return polynomials for where a solve with tendon forces up to `lam_max` under `wrench` should start.
+
+        None where the fast path does not vouch for the 64 solutions they are fitted to.
+        """
+        side = 8
+        u = np.cos(np.pi * (np.arange(side) + 0.5) / side)
+        u, v = (grid.ravel() for grid in np.meshgrid(u, u))
+        loads = np.ones((LANES, N_LOADS))
+        loads[:, 0], loads[:, 1], loads[:, 2:5] = 0.5 * lam_max * (1.0 + u), 0.5 * lam_max * (1.0 + v), wrench
+        pose, status = np.empty((LANES, 3)), np.empty(LANES, dtype=np.int64)
+        state = self.solve(loads, 1e-12, pose, status).reshape(-1, LANES)
+        if (status != CONVERGED).any():
+            return None
+        rows, basis = state[start.unknowns(self.mesh.order)].T, start.monomials(u, v)
+        coefficients = np.linalg.lstsq(basis, rows, rcond=None)[0]
+        scale = np.abs(rows).max(axis=0)
+        scale[start.ANGLES :] = 1.0
+        if np.any(np.abs(basis @ coefficients - rows) > POOR * scale):
+            return None
+        return np.ascontiguousarray(coefficients.T), lam_max
+
+    def stepper(
+        self, system: tuple[Array, Array, Array], loads: Array, last2: float, derivatives: bool, lam_max: float
+    ) -> Step:
+        """Return the compiled control step, see `kernels.stepper`; its arrays are attributes of the function.
+
+        system : stations, tip, q_rest of the finite element model, for the robust solver
+        """
+        order = self.mesh.order
+        memory = np.zeros(stepper.memory_size(order))
+        parts = {
+            name: memory[first : first + int(np.prod(shape))].reshape(shape)
+            for name, (first, shape) in stepper.pieces(order).items()
+        }
+        parts["con"][:], parts["loads"][:], parts["tables"][:] = self.con, loads, self.mesh.tables
+        parts["stations"][:], parts["tip"][:], parts["q_rest"][:] = system
+        parts["q"][:] = system[2]
+        parts["state"][[R_FX, R_FZ, R_TAU]] = loads[L_FX:L_GRAVITY]
+        guess = self.fit_guess(lam_max, loads[L_FX:L_GRAVITY]) if lam_max > 0.0 else None
+        if guess is not None:
+            parts["coefficients"][:] = guess[0]
+        parts["settings"][:] = last2, derivatives, 0.0 if guess is None else lam_max
+        step: Any = functools.partial(compiled_step(order), memory.ctypes.data)
+        # the address is all that the compiled step knows of: the function must keep the memory alive
+        step.memory = memory
+        step.jacobian, step.compliance = parts["jacobian"], parts["compliance"]
+        result: Step = step
+        return result
+
+
+def permits(mesh: Discretization) -> bool:
+    """Whether a mesh has kernels of its own."""
+    return mesh.n_elements == 1 and mesh.order in ORDERS and mesh.gauss == mesh.order
+
+
+def kernels_of(mesh: Discretization) -> Any:
+    """Return the module of kernels for a mesh."""
+    return import_module(f".kernels.condensed{mesh.order}", __package__)
+
+
+@functools.cache
+def compiled_step(order: int) -> Any:
+    """Return the control step of an order, compiled for numbers of any kind: it never compiles again in a loop."""
+    advance = import_module(f".kernels.condensed{order}", __package__).advance
+    advance.compile("(int64, float64, float64)")
+    advance.disable_compile()
+    return advance
+
+
+def solve_mechanisms(
+    mesh: Discretization, par: Array, loads: Array, last2: float, pose: Array, status: NDArray[np.int64]
+) -> None:
+    """Solve cases that each have a parameter vector, (n, n_parameters), where the mesh permits it.
+
+    See `kernels.condensed4.solve_mechanisms`.
+    """
+    if not permits(mesh):
+        return
+    order = mesh.order
+    con = np.empty(condensed.constants_size(order))
+    kernels_of(mesh).solve_mechanisms(
+        par,
+        mesh.mesh,
+        mesh.nodes,
+        mesh.turn,
+        mesh.slopes,
+        _STRETCH,
+        loads,
+        last2,
+        (np.empty((order, N_STATION)), np.empty(N_TIP), np.empty(3 * (order + 1))),
+        con,
+        np.empty(LANES * con.size),
+        np.zeros(LANES * condensed.state_size(order)),
+        pose,
+        status,
+    )

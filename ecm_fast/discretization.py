@@ -107,6 +107,11 @@ class Discretization:
         """Integrals from 0 to each Gauss point of the polynomials that are 1 at one Gauss point, (gauss, gauss)."""
         return self._integrals(0.5 * (1.0 + np.polynomial.legendre.leggauss(self.gauss)[0]))
 
+    @cached_property
+    def slopes(self) -> NDArray[np.float64]:
+        """Derivative at each Gauss point by the values there of a polynomial that is 0 at 0, (gauss, gauss)."""
+        return np.ascontiguousarray(np.linalg.inv(self.turn))
+
     def _integrals(self, upper: NDArray[np.float64]) -> NDArray[np.float64]:
         """Integrals from 0 to `upper` of the polynomials that are 1 at one Gauss point, (len(upper), gauss)."""
         points = 0.5 * (1.0 + np.polynomial.legendre.leggauss(self.gauss)[0])

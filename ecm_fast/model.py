@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .condensation import Condensation, Guess, solve_mechanisms
 from .discretization import Discretization
 from .equilibrium import BatchResult, Equilibrium, Status
 from .errors import InputError, shown
@@ -14,8 +14,6 @@ from .kernels.batch import solve_many
 from .kernels.layout import (
     L_FX,
     L_GRAVITY,
-    L_LAM_L,
-    L_LAM_R,
     N_LOADS,
     N_OUT,
     N_STATION,
@@ -26,20 +24,23 @@ from .kernels.layout import (
     O_X,
     O_Z,
 )
-from .kernels.newton import advance, solve, solve_work_size
+from .kernels.newton import solve, solve_work_size
 from .kernels.prepare import prepare
 from .kernels.sensitivity import tip_derivatives
 from .mechanism import Mechanism
 from .parameters import PARAMETERS, pack
+from .stepping import Step, robust_stepper
 
-if TYPE_CHECKING:
-    from .condensation import Condensation
 
 __all__ = ["FiniteElementModel"]
 
 Array = NDArray[np.float64]
-Step = Callable[[float, float], tuple[float, float, float, int]]
-NAN = float("nan")
+# fewer cases than this do not pay for fitting where they start
+WORTH_A_GUESS = 2048
+
+
+# Newton's method leaves at most this times the square of its last step (measured: 0.3 for tendons, 4 for wrenches)
+QUADRATIC, MIN_TOLERANCE = 10.0, 1e-13
 
 
 class FiniteElementModel:
@@ -84,10 +85,8 @@ class FiniteElementModel:
         prepare(self._par, self.discretization.mesh, self.discretization.nodes, stations, tip, q_rest)
 
     @cached_property
-    def _condensed(self) -> "Condensation | None":
+    def _condensed(self) -> Condensation | None:
         """The fast path, made when first needed; None where it does not apply."""
-        from .condensation import Condensation
-
         stations, tip, q_rest, _, _ = self._system
         return Condensation.of(self.discretization, stations, tip, q_rest)
 
@@ -142,6 +141,7 @@ class FiniteElementModel:
         wrench: ArrayLike | None = None,
         *,
         parameters: ArrayLike | None = None,
+        tolerance: float = 1e-10,
         threads: int = 1,
     ) -> BatchResult:
         """Solve many cases, each as `solve` does; a case that fails has its status and a pose of nan.
@@ -149,32 +149,34 @@ class FiniteElementModel:
         Parameters
         ----------
         lam : (n, 2) tendon forces [N]
-        wrench : (n, 3) dead wrenches at Q [N, N, N m]; default none
+        wrench : (n, 3) dead wrenches at Q, or (3,) for all [N, N, N m]; default none
         parameters : (n, n_parameters) a parameter vector for each case instead of the model's mechanism
+        tolerance : largest error that Newton's method may leave, in rad and shares of the length
         threads : how many threads share the cases
 
         Raises
         ------
         InputError : a shape is wrong, or a tendon force is negative; names the row.
         """
-        tensions = _numbers("tendon forces", lam)
-        loads = _loads(tensions, np.zeros((len(tensions), 3)) if wrench is None else _numbers("wrenches", wrench))
+        loads = _many_loads(lam, wrench)
         par = self._par[None] if parameters is None else _numbers("parameters", parameters)
         n = len(loads)
         if parameters is not None:
             _check_parameters(par, n)
-        pose, factor, status = np.empty((n, 3)), np.ones(n), np.empty(n, dtype=np.int64)
-        fast = self._condensed if parameters is None else None
+        accept = _tolerance(tolerance)
+        pose, factor, status = np.empty((n, 3)), np.ones(n), np.full(n, Status.NOT_CONVERGED, dtype=np.int64)
+        mesh = self.discretization
+        guess = self._guess(loads) if parameters is None and n >= WORTH_A_GUESS else None
 
         def part(rows: slice) -> None:
-            todo = np.arange(n)[rows]
-            if fast is not None:
-                fast.solve(loads[rows], pose[rows], status[rows])
-                todo = todo[status[rows] != Status.CONVERGED]
+            if parameters is not None:
+                solve_mechanisms(mesh, par[rows], loads[rows], accept, pose[rows], status[rows])
+            elif self._condensed is not None:
+                self._condensed.solve(loads[rows], accept, pose[rows], status[rows], guess)
+            todo = np.arange(n)[rows][status[rows] != Status.CONVERGED]
             if todo.size:
                 own = par if parameters is None else par[todo]
                 out, verdict = np.empty((todo.size, N_OUT)), np.empty(todo.size, dtype=np.int64)
-                mesh = self.discretization
                 solve_many(mesh.tables, mesh.mesh, mesh.nodes, own, loads[todo], _work_arrays(mesh), out, verdict)
                 pose[todo], factor[todo], status[todo] = out[:, [O_X, O_Z, O_THETA]], out[:, O_FACTOR], verdict
 
@@ -183,39 +185,42 @@ class FiniteElementModel:
         x, z, theta = np.ascontiguousarray(pose.T)
         return BatchResult(x, z, theta, status, factor)
 
-    def stepper(self, wrench: ArrayLike = (0.0, 0.0, 0.0)) -> Step:
+    def _guess(self, loads: Array) -> Guess | None:
+        """Return polynomials for where to start, where many loads share a wrench and stay in the working range."""
+        largest = loads[:, :L_FX].max()
+        if self._condensed is None or not 0.0 < largest < np.inf or (loads[:, L_FX:] != loads[0, L_FX:]).any():
+            return None
+        return self._condensed.fit_guess(largest, loads[0, L_FX:L_GRAVITY])
+
+    def stepper(
+        self,
+        wrench: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        tolerance: float = 1e-10,
+        derivatives: bool = False,
+        lam_max: float = 0.0,
+    ) -> Step:
         """Return ``step(lam_l, lam_r) -> x, z, theta, status`` for a control loop.
 
-        Each call starts from the equilibrium of the one before, takes a bounded number of Newton steps, allocates no
-        array, releases the interpreter's lock and never raises. ``status`` is a value of `Status`: 0 is a stable
-        equilibrium; where there is none, the pose is nan. Each thread needs a stepper of its own.
+        Each call starts from the equilibria of the calls before, takes a bounded number of Newton steps, allocates
+        nothing, releases the interpreter's lock and never raises for a number. ``status`` is a value of `Status`: 0 is
+        a stable equilibrium; where there is none, the pose is nan. Each thread needs a stepper of its own.
 
         Parameters
         ----------
         wrench : (3,) dead wrench at Q that stays [N, N, N m]
+        tolerance : largest error that Newton's method may leave, in rad and shares of the length
+        derivatives : each call also overwrites ``step.jacobian``, (3, 2), pose by tendon force, and
+            ``step.compliance``, (3, 3), pose by wrench, exact to the square root of the tolerance
+        lam_max : above 0, a call depends on nothing but its arguments: within ``[0, lam_max]`` N it starts from a
+            polynomial fitted now, and takes one or two Newton steps whatever the call before was
         """
         loads = _loads(np.zeros((1, 2)), _numbers("wrench", wrench)[None])[0]
+        accept = _tolerance(tolerance)
         stations, tip, q_rest, _, _ = self._system
-        _, _, _, q, work = _work_arrays(self.discretization)
-        q[:] = q_rest
-        tables, out = self.discretization.tables, np.empty(N_OUT)
-
-        def robust_step(lam_l: float, lam_r: float) -> tuple[float, float, float, int]:
-            loads[L_LAM_L], loads[L_LAM_R] = lam_l, lam_r
-            status = advance(tables, stations, tip, q_rest, loads, q, work, out)
-            if status <= Status.UNSTABLE:
-                return float(out[O_X]), float(out[O_Z]), float(out[O_THETA]), status
-            return NAN, NAN, NAN, status
-
-        if self._condensed is None:
-            return robust_step
-        fast, con, state = self._condensed.advance, self._condensed.con, self._condensed.new_state(loads)
-
-        def step(lam_l: float, lam_r: float) -> tuple[float, float, float, int]:
-            result = fast(con, state, lam_l, lam_r)
-            return result if result[3] == 0 else robust_step(lam_l, lam_r)
-
-        return step
+        if self._condensed is not None:
+            return self._condensed.stepper((stations, tip, q_rest), loads, accept, derivatives, lam_max)
+        return robust_stepper(self.discretization, (stations, tip, q_rest), loads)
 
     def __repr__(self) -> str:
         mesh = self.discretization
@@ -253,6 +258,22 @@ def _check_parameters(par: Array, n: int) -> None:
         row, place = np.argwhere(outside)[0]
         entry = PARAMETERS[place]
         raise InputError(f"row {row} of parameters: {entry.key} = {par[row, place]}: allowed is {entry.allowed}")
+
+
+def _tolerance(value: float) -> float:
+    """Return the largest squared last step that leaves an error of at most `value`."""
+    if not MIN_TOLERANCE <= value <= 1e-3:
+        raise InputError(f"tolerance = {shown(value)}: allowed is a number from {MIN_TOLERANCE:g} to 1e-3")
+    return value / QUADRATIC
+
+
+def _many_loads(lam: ArrayLike, wrench: ArrayLike | None) -> Array:
+    """Return the load rows of many cases."""
+    tensions = _numbers("tendon forces", lam)
+    dead = np.zeros(3) if wrench is None else _numbers("wrenches", wrench)
+    if dead.shape == (3,):
+        dead = np.broadcast_to(dead, (len(tensions), 3))
+    return _loads(tensions, dead)
 
 
 def _numbers(name: str, values: ArrayLike) -> Array:

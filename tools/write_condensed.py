@@ -1,357 +1,323 @@
-"""Write the straight-line Newton steps of the fast path, `ecm_fast/kernels/condensed3.py` to `condensed6.py`.
+"""Write the parts of the fast path that depend on the order, `ecm_fast/kernels/condensed3.py` to `condensed6.py`.
 
     python tools/write_condensed.py [--check]
 
-The step is written out, without loops, because only then does the compiler vectorize a loop over load cases around
-it. What the step computes is stated in `ecm_fast/kernels/condensed.py`; read it here, where the loops still are loops.
+They are written out, without loops, because only then does the compiler vectorize a loop over load cases around them.
+What they compute is stated in `ecm_fast/kernels/condensed.py`; read it here, where the loops still are loops.
 """
 
 import argparse
 import math
-from fractions import Fraction
+from collections.abc import Iterable
 from pathlib import Path
 
-from ecm_fast.kernels.layout import N_SLOPE, N_STRETCH
+from ecm_fast.kernels import layout, stepper
 
 FOLDER = Path(__file__).resolve().parent.parent / "ecm_fast" / "kernels"
 ORDERS = (3, 4, 5, 6)
-# angles up to this are fitted without reduction by multiples of pi/2; beyond it the robust path takes over
-MAX_ANGLE, N_SIN, N_COS = 1.6, 8, 9
 
 HEADER = '''\
-"""Newton's step of the condensed formulation for one element of order {p}, written out. Do not edit.
+"""The condensed formulation for one element of order {p}, written out. Do not edit.
 
 Written by `tools/write_condensed.py`; the formulation is explained in `condensed`.
 """
 
-import math
-
 import numpy as np
 
-from ._jit import kernel, step_kernel
-from .condensed import LARGEST2, MAX_STEPS, SHRINK2, TOLERANCE2, largest_step, restart_lane, start_lane, vouches
+from ._jit import array_at, kernel, step_kernel, wide
+from .condensed import MAX_STEPS, condense, judge, put_load, settled, straighten, vouches
+from .condensed_laws import plate, section
 from .layout import (
-    C_INV_FORCE2,
-    C_INV_LENGTH2,
-    C_SHIFT,
-    C_SLOPE,
-    C_STATION,
-    C_STRETCH,
-    C_THETA0,
     CONVERGED,
     INVALID_INPUT,
     LANES,
     NOT_CONVERGED,
     R_EXTREME,
-    R_FORCE_X,
-    R_FORCE_Z,
-    R_FX,
-    R_FZ,
-    R_KAPPA,
     R_LAM_L,
     R_LAM_R,
-    R_PIVOT,
-    R_SIZE,
-    R_TAU,
     R_THETA,
     R_X,
     R_Z,
-    T_ATTACH_LX,
-    T_ATTACH_LZ,
-    T_ATTACH_RX,
-    T_ATTACH_RZ,
-    T_COM_X,
-    T_COM_Z,
-    T_PULLEY_LX,
-    T_PULLEY_LZ,
-    T_PULLEY_RX,
-    T_PULLEY_RZ,
-    T_RADIUS,
-    T_WEIGHT_X,
-    T_WEIGHT_Z,
 )
+from .prepare import prepare
+from .start import extrapolate, guess, remember
+from .stepper import rescue, unfold
 
-__all__ = ["advance", "solve_block", "step", "sweep"]
+__all__ = ["ORDER", "advance", "solve_loads", "solve_mechanisms", "step", "sweep", "sweep_mechanisms", "tip_columns"]
 
-
-@step_kernel
-def step(con, state, j):
-    """Take one Newton step for the load case in column `j`; see `condensed`."""
+ORDER = {p}
 '''
 
 FOOTER = '''
 
+@step_kernel
+def step(con, state, keep):
+    """Take one Newton step for the one load case that `state` holds; with `keep`, leave the factor to `tip_columns`."""
+{sections}
+    plate(con, 1, 0, state, 1, 0)
+    solve(con, 1, 0, state, 1, 0, keep)
+
+
+@step_kernel
+def _sweep(con, cr, own, state):
+    wide()
+    # one loop after the other: each body fits the window in which a processor reorders instructions
+{loops}
+    for j in range(LANES):
+        plate(con, cr, own * j, state, LANES, j)
+    for j in range(LANES):
+        solve(con, cr, own * j, state, LANES, j, False)
+
+
 @kernel
 def sweep(con, state):
-    """Take one Newton step for every lane; the compiler turns this loop into vector instructions."""
-    for j in range(LANES):
-        step(con, state, j)
+    """Take one Newton step in every lane: many loads, one mechanism."""
+    wide()
+    _sweep(con, 1, 0, state)
 
 
 @kernel
-def solve_block(con, loads, state, pose, status):
-    """Solve load cases from the straight beam, LANES at a time.
+def sweep_mechanisms(con, state):
+    """Take one Newton step in every lane, each with constants of its own: `con` holds lanes as `state` does."""
+    wide()
+    _sweep(con, LANES, 1, state)
 
-    loads : (n, N_LOADS)
-    state : (state_size,)   work space
+
+@kernel
+def _collect(state, last2, pose, status):
+    for j in range(pose.shape[0]):
+        pose[j, 0], pose[j, 1] = state[LANES * R_X + j], state[LANES * R_Z + j]
+        pose[j, 2] = state[LANES * R_THETA + j]
+        status[j] = CONVERGED if vouches(state, LANES, j, last2) else NOT_CONVERGED
+
+
+@kernel
+def solve_loads(con, coefficients, lam_max, loads, last2, state, pose, status):
+    """Solve load cases on one mechanism, LANES at a time.
+
+    coefficients, lam_max : see `start.guess`, used where both tendon forces are at most `lam_max`; else, and for
+        lam_max = 0 always, the beam starts straight
+    loads : (n, N_LOADS), last2 : largest squared last step
+    state : (LANES * state_size,)   work space
     pose : (n, 3), status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
     """
     n = loads.shape[0]
     for first in range(0, n, LANES):
         for j in range(LANES):
-            start_lane(con, loads[min(first + j, n - 1)], state, j)
+            put_load(state, LANES, j, loads[min(first + j, n - 1)])
+        if lam_max > 0.0:
+            guess(coefficients, lam_max, state, LANES, LANES, ORDER)
+        for j in range(LANES):
+            # not the opposite comparison: a force that is not a number starts straight
+            if not (state[LANES * R_LAM_L + j] <= lam_max and state[LANES * R_LAM_R + j] <= lam_max):
+                straighten(con, 1, 0, state, LANES, j, ORDER)
         for _ in range(MAX_STEPS):
             sweep(con, state)
-            if largest_step(state) < TOLERANCE2:
+            if settled(state, last2):
                 break
-        for j in range(min(LANES, n - first)):
-            i = first + j
-            pose[i, 0], pose[i, 1], pose[i, 2] = state[R_X + j], state[R_Z + j], state[R_THETA + j]
-            status[i] = CONVERGED if vouches(state, j) else NOT_CONVERGED
+        _collect(state, last2, pose[first : first + LANES], status[first : first + LANES])
 
 
 @kernel
-def advance(con, state, lam_l, lam_r):
-    """Follow one load case, lane 0, to new tendon forces; starts again from the straight beam where that fails.
+def solve_mechanisms(par, mesh, nodes, turn, slopes, stretch, loads, last2, system, con, lanes, state, pose, status):
+    """Solve cases that each have a mechanism of their own, from the straight beam, LANES at a time.
 
-    Returns x, z, theta, status; see `condensed`.
+    par : (n, n_parameters), loads : (n, N_LOADS)
+    mesh, nodes, turn, slopes, stretch : see `prepare` and `condensed.condense`
+    system : work arrays of one thread: stations, tip, q_rest; con : (constants_size,), lanes : LANES times that
+    the rest as in `solve_loads`
     """
+    n = loads.shape[0]
+    stations, tip, q_rest = system
+    for first in range(0, n, LANES):
+        for j in range(LANES):
+            i = min(first + j, n - 1)
+            prepare(par[i], mesh, nodes, stations, tip, q_rest)
+            applies = condense(stations, tip, q_rest, turn, slopes, stretch, con)
+            for k in range(con.shape[0]):
+                lanes[LANES * k + j] = con[k]
+            put_load(state, LANES, j, loads[i])
+            straighten(lanes, LANES, j, state, LANES, j, ORDER)
+            if not applies:
+                state[LANES * R_EXTREME + j] = 2.0
+        for _ in range(MAX_STEPS):
+            sweep_mechanisms(lanes, state)
+            if settled(state, last2):
+                break
+        _collect(state, last2, pose[first : first + LANES], status[first : first + LANES])
+
+
+@step_kernel
+def _iterate(con, state, last2, keep):
+    for _ in range(MAX_STEPS):
+        step(con, state, keep)
+        if vouches(state, 1, 0, last2):
+            return True
+    return False
+
+
+@step_kernel
+def _follow(con, coefficients, settings, state, before, lam_l, lam_r):
+    last2, keep, lam_max = settings[0], settings[1] > 0.0, settings[2]
+    if lam_max == 0.0 and vouches(state, 1, 0, last2):
+        extrapolate(state, before, lam_l, lam_r, ORDER)
+        if _iterate(con, state, last2, keep):
+            return True
     state[R_LAM_L], state[R_LAM_R] = lam_l, lam_r
+    if lam_l <= lam_max and lam_r <= lam_max and lam_max > 0.0:
+        guess(coefficients, lam_max, state, 1, 1, ORDER)
+    else:
+        straighten(con, 1, 0, state, 1, 0, ORDER)
+    found = _iterate(con, state, last2, keep)
+    remember(state, before, ORDER)
+    return found
+
+
+@kernel
+def advance(address, lam_l, lam_r):
+    """Take a control step: to new tendon forces, from where the memory at `address` stands; see `stepper`.
+
+    Returns x, z, theta, status.
+    """
+    memory = array_at(address, {total})
+{pieces}
     if not (0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf):
         return np.nan, np.nan, np.nan, INVALID_INPUT
-    warm = vouches(state, 0)
-    for attempt in range(2):
-        if attempt == 0 and not warm:
-            continue
-        if attempt == 1:
-            restart_lane(con, state, 0)
-        state[R_SIZE], state[R_PIVOT], state[R_EXTREME] = np.inf, np.inf, 0.0
-        for _ in range(MAX_STEPS):
-            step(con, state, 0)
-            if not state[R_SIZE] > TOLERANCE2:
-                break
-        if vouches(state, 0):
-            return state[R_X], state[R_Z], state[R_THETA], CONVERGED
-    return np.nan, np.nan, np.nan, NOT_CONVERGED
+    if _follow(con, coefficients, settings, state, before, lam_l, lam_r):
+        if settings[1] > 0.0:
+            tip_columns(con, state, columns)
+            unfold(state, columns, compliance, jacobian)
+        return state[R_X], state[R_Z], state[R_THETA], CONVERGED
+    return rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, lam_l, lam_r)
 '''
 
 
-def fit_in_square(first: int, n: int) -> list[float]:
-    """Return n coefficients, in t^2, of cos t (`first` 0) or sin t / t (`first` 1), interpolated up to MAX_ANGLE.
+# what a step keeps beside its factor
+KEPT = ("c_xx", "c_xz", "c_zz", "j_xx", "j_xz", "j_zx", "j_zz", "g_x", "g_z")
 
-    At Chebyshev points rounded to six digits, and in fractions, so that every machine writes the same digits.
-    """
-    places = [0.5 * MAX_ANGLE**2 * (1.0 + math.cos(math.pi * (k + 0.5) / n)) for k in range(n)]
-    square = [Fraction(round(place * 1e6), 10**6) for place in places]
-    table = [sum(Fraction((-1) ** k, math.factorial(2 * k + first)) * s**k for k in range(25)) for s in square]
-    for k in range(1, n):
-        for i in range(n - 1, k - 1, -1):
-            table[i] = (table[i] - table[i - 1]) / (square[i] - square[i - k])
-    powers = [Fraction(0)] * n
-    for value, place in zip(reversed(table), reversed(square), strict=True):
-        powers = [below - place * own for below, own in zip([Fraction(0), *powers[:-1]], powers, strict=True)]
-        powers[0] += value
-    return [float(value) for value in powers]
-
-
-def estrin(coefficients: list[str], variable: str) -> str:
-    """Return a polynomial in x as two interleaved Horner chains in x^2, named `{variable}2`: half as deep."""
-    even, odd = horner(coefficients[0::2], f"{variable}2"), horner(coefficients[1::2], f"{variable}2")
-    return f"({even}) + {variable} * ({odd})"
+# eliminate tip force and position; j = (1 + h c)^-1 has no inverse of the compliance c, so rigid sections do no harm
+TIP = """\
+    gap_x, gap_z = {X} - c_dx, {Z} - c_dz
+    e_x, e_z = {wx} - {fx}, {wz} - {fz}
+    m_xx, m_xz = 1.0 + h_xx * c_xx + h_xz * c_xz, h_xx * c_xz + h_xz * c_zz
+    m_zx, m_zz = h_xz * c_xx + h_zz * c_xz, 1.0 + h_xz * c_xz + h_zz * c_zz
+    pivot = m_xx * m_zz - m_xz * m_zx
+    inv = 1.0 / pivot
+    pivot = m_xx + m_zz if m_xx + m_zz < pivot else pivot
+    j_xx, j_xz, j_zx, j_zz = m_zz * inv, -m_xz * inv, -m_zx * inv, m_xx * inv
+    s_xx, s_xz, s_zz = j_xx * h_xx + j_xz * h_xz, j_xx * h_xz + j_xz * h_zz, j_zx * h_xz + j_zz * h_zz
+    g_x, g_z = j_xx * h_xt + j_xz * h_zt, j_zx * h_xt + j_zz * h_zt
+    q_x, q_z = c_xx * e_x + c_xz * e_z - gap_x, c_xz * e_x + c_zz * e_z - gap_z
+    g_tt = h_tt - h_xt * (c_xx * g_x + c_xz * g_z) - h_zt * (c_xz * g_x + c_zz * g_z)
+    p_x, p_z = j_xx * e_x + j_xz * e_z + s_xx * gap_x + s_xz * gap_z, j_zx * e_x + j_zz * e_z + s_xz * gap_x + s_zz * gap_z
+    pull = {tau} - g_x * q_x - g_z * q_z
+"""
 
 
 def row(name: str) -> str:
-    """Return where a quantity of the load case in lane `j` stands."""
-    return f"state[R_{name} + j]"
+    """Return where a quantity of the lane stands, by its name in `layout`."""
+    return f"state[sr * {getattr(layout, f'R_{name}')} + j]"
 
 
-def dot(left: list[str], right: list[str]) -> str:
+def con(place: int) -> str:
+    """Return a constant of the formulation."""
+    return f"con[cr * {place} + cl]"
+
+
+def dot(left: Iterable[str], right: Iterable[str]) -> str:
     """Return the sum of products of two lists of names."""
     return " + ".join(f"{a} * {b}" for a, b in zip(left, right, strict=True))
 
 
-def horner(coefficients: list[str], variable: str) -> str:
-    """Return a polynomial in Horner form."""
-    text = coefficients[-1]
-    for value in reversed(coefficients[:-1]):
-        text = f"{value} + {variable} * ({text})"
-    return text
-
-
-SIN = [repr(value) for value in fit_in_square(1, N_SIN)]
-COS = [repr(value) for value in fit_in_square(0, N_COS)]
-
-
 def K(i: int, j: int) -> str:
-    """Return the name of an entry of the tangent: the tip position's rows are stored below the curvatures'."""
+    """Return the name of an entry of the tangent, of which only the lower triangle is kept."""
     return f"K{max(i, j)}_{min(i, j)}"
 
 
 class Writer:
-    """Collects the lines of one step."""
+    """Collects the lines of one module."""
 
     def __init__(self, p: int) -> None:
-        self.p, self.lines = p, []
-        self.points = range(p)
+        self.p, self.points, self.lines = p, range(p), []
+        kept = [K(h, k) for h in self.points for k in range(h + 1)] + list(KEPT)
+        first = layout.R_POINT + layout.N_SECTION * p
+        self.rows = {name: first + place for place, name in enumerate(kept)}
+        self.blocks = [list(range(k, min(k + 2, p))) for k in range(0, p, 2)]
 
-    def say(self, comment: str) -> None:
-        self.lines.append(f"    # {comment}")
+    def function(self, name: str, arguments: str, meaning: str) -> None:
+        self.lines += ["", "", "@step_kernel", f"def {name}({arguments}):", f'    """{meaning}"""']
 
-    def set(self, name: str, value: str) -> None:
-        self.lines.append(f"    {name} = {value}")
+    def set(self, name: str, value: str, indent: str = "    ") -> None:
+        self.lines.append(f"{indent}{name} = {value}")
+
+    def own(self, name: str) -> str:
+        return f"state[sr * {self.rows[name]} + j]"
+
+    def point(self, g: int, name: str) -> str:
+        return f"state[sr * {layout.R_POINT + layout.N_SECTION * g + getattr(layout, f'P_{name}')} + j]"
 
     def station(self, g: int, column: int) -> str:
-        return f"con[C_STATION + {8 * g + column}]"
+        return con(layout.C_STATION + layout.N_POINT * g + column)
 
-    def turn(self, g: int, h: int) -> str:
-        return f"con[C_STATION + {8 * self.p + self.p * g + h}]"
+    def stiffness(self, h: int, k: int) -> str:
+        i, j = max(h, k), min(h, k)
+        return con(layout.C_STATION + layout.N_POINT * self.p + i * (i + 1) // 2 + j)
 
     def names(self, stem: str) -> list[str]:
         return [f"{stem}{g}" for g in self.points]
 
-    def read(self) -> None:
-        self.say("state: curvatures at the Gauss points, tip position, tip force")
+    def load(self, stem: str, name: str) -> None:
         for g in self.points:
-            self.set(f"k{g}", row(f"KAPPA + {g} * LANES"))
-        self.set("x, z, f_x, f_z", ", ".join(map(row, ("X", "Z", "FORCE_X", "FORCE_Z"))))
-        for g in self.points:
-            self.set(f"w{g}", self.station(g, 0))
-        self.say("angles: the clamp's plus the integral of the curvature")
-        for g in self.points:
-            self.set(f"t{g}", "con[C_THETA0] + " + dot([self.turn(g, h) for h in self.points], self.names("k")))
-        self.set("t_tip", "con[C_THETA0] + " + dot(self.names("w"), self.names("k")))
-
-    def sincos(self, angle: str) -> None:
-        self.set("r2", f"{angle} * {angle}")
-        self.set("r22", "r2 * r2")
-        self.set("s", f"{angle} * ({estrin(SIN, 'r2')})")
-        self.set("c", estrin(COS, "r2"))
-        self.set("extreme", f"r2 * {1.0 / MAX_ANGLE**2!r} if r2 * {1.0 / MAX_ANGLE**2!r} > extreme else extreme")
-
-    def sections(self) -> None:
-        stretch = [f"con[C_STRETCH + {k}]" for k in range(N_STRETCH)]
-        slope = [f"con[C_SLOPE + {k}]" for k in range(N_SLOPE)]
-        self.set("extreme", row("EXTREME"))
-        for g in self.points:
-            self.say(f"Gauss point {g}: the force there is known, so stretch and shear follow from it")
-            self.sincos(f"t{g}")
-            self.set("n_x, n_z", f"f_x + {self.station(g, 5)}, f_z + {self.station(g, 6)}")
-            self.set("N, Q", "n_x * c - n_z * s, n_x * s + n_z * c")
-            self.set("u", f"N * {self.station(g, 1)} + con[C_SHIFT]")
-            self.set("u2", "u * u")
-            self.set("stretch", estrin(stretch, "u"))
-            self.set("by_N", f"{self.station(g, 2)} * ({estrin(slope, 'u')})")
-            self.set("extreme", "u2 if u2 > extreme else extreme")
-            self.set("by_Q", self.station(g, 7))
-            self.set("shear", "Q * by_Q")
-            self.set(f"a{g}", f"w{g} * (Q * (shear - Q * by_N) + N * (stretch - N * by_Q))")
-            self.set("along, across", f"w{g} * (Q * by_N - shear), w{g} * (stretch - N * by_Q)")
-            self.set(f"bx{g}, bz{g}", "along * c + across * s, across * c - along * s")
-            self.set(f"m{g}", f"w{g} * (Q * stretch - N * shear)")
-            self.set(f"dx{g}, dz{g}", f"w{g} * (stretch * c + shear * s), w{g} * (shear * c - stretch * s)")
-            self.set(f"cxx{g}", f"w{g} * (c * c * by_N + s * s * by_Q)")
-            self.set(f"cxz{g}", f"w{g} * s * c * (by_Q - by_N)")
-            self.set(f"czz{g}", f"w{g} * (s * s * by_N + c * c * by_Q)")
-        for name in ("cxx", "cxz", "czz", "dx", "dz"):
-            self.set(name, " + ".join(self.names(name)))
-
-    def tip(self) -> None:
-        self.say("head plate: tendons, head's weight, dead wrench, and their stiffness")
-        self.sincos("t_tip")
-        self.lines += [
-            "    r_x, r_z = con[T_COM_X] * c + con[T_COM_Z] * s, con[T_COM_Z] * c - con[T_COM_X] * s",
-            "    weight_x, weight_z = con[T_WEIGHT_X], con[T_WEIGHT_Z]",
-            "    F_x, F_z = state[R_FX + j] + weight_x, state[R_FZ + j] + weight_z",
-            "    tau = state[R_TAU + j] + r_z * weight_x - r_x * weight_z",
-            "    H_tt = r_x * weight_x + r_z * weight_z",
-        ]
-        for name, tension, side in (("L", "LAM_L", "-"), ("R", "LAM_R", "")):
-            a_x, a_z, c_x, c_z = (f"con[T_{kind}_{name}{axis}]" for kind in ("ATTACH", "PULLEY") for axis in "XZ")
-            self.lines += [
-                f"    r_x, r_z = {a_x} * c + {a_z} * s, {a_z} * c - {a_x} * s",
-                f"    v_x, v_z, reach = {c_x} - x - r_x, {c_z} - z - r_z, {side}con[T_RADIUS]",
-                "    square = v_x * v_x + v_z * v_z",
-                "    free = math.sqrt(square - reach * reach)",
-                "    inv = 1.0 / (square * free)",
-                "    by_square = inv * free",
-                "    e_x, e_z = (free * v_x - reach * v_z) * by_square, (free * v_z + reach * v_x) * by_square",
-                f"    lam = {row(tension)}",
-                "    pull_x, pull_z, stiff = lam * e_x, lam * e_z, lam * inv * square",
-                "    e_t = -e_z * r_z - e_x * r_x",
-            ]
-            first = name == "L"
-            for target, value in (
-                ("H_xx", "stiff * e_z * e_z"),
-                ("H_xz", "-stiff * e_z * e_x"),
-                ("H_zz", "stiff * e_x * e_x"),
-                ("H_xt", "-stiff * e_z * e_t"),
-                ("H_zt", "stiff * e_x * e_t"),
-            ):
-                self.set(target, value if first else f"{target} + {value}")
-            self.set("H_tt", "H_tt + stiff * e_t * e_t + pull_x * r_x + pull_z * r_z")
-            self.set("F_x, F_z", "F_x + pull_x, F_z + pull_z")
-            self.set("tau", "tau + r_z * pull_x - r_x * pull_z")
-
-    def system(self) -> None:
-        p = self.p
-        self.say("eliminate the tip force: its 2 x 2 compliance is positive, so what is left is positive where stable")
-        self.set("inv", "1.0 / (cxx * czz - cxz * cxz)")
-        self.set("i_xx, i_xz, i_zz", "czz * inv, -cxz * inv, cxx * inv")
-        self.set("gap_x, gap_z", "x - (dx), z - (dz)")
-        self.set("g_x, g_z", "i_xx * gap_x + i_xz * gap_z, i_xz * gap_x + i_zz * gap_z")
-        for h in self.points:
-            column = [self.turn(g, h) for g in self.points]
-            self.set(f"X{h}, Z{h}", f"{dot(column, self.names('bx'))}, {dot(column, self.names('bz'))}")
-            self.set(f"Y{h}, V{h}", f"i_xx * X{h} + i_xz * Z{h}, i_xz * X{h} + i_zz * Z{h}")
-            bending = f"{self.station(h, 3)} * k{h} - {self.station(h, 4)}"
-            force = f"{dot(column, self.names('m'))} - w{h} * tau + X{h} * g_x + Z{h} * g_z"
-            self.set(f"b{h}", f"-({bending} + {force})")
-        self.set(f"b{p}, b{p + 1}", "F_x - f_x - g_x, F_z - f_z - g_z")
-        self.say("tangent by the curvatures and the tip position, lower triangle")
-        for h in self.points:
-            for g in self.points:
-                self.set(f"A{g}", f"{self.turn(g, h)} * a{g}")
-            self.set(f"u{h}", f"w{h} * H_tt")
-            for k in range(h + 1):
-                terms = [self.station(h, 3)] if h == k else []
-                terms += [f"A{g} * {self.turn(g, k)}" for g in self.points]
-                terms += [f"Y{h} * X{k}", f"V{h} * Z{k}", f"u{h} * w{k}"]
-                self.set(f"K{h}_{k}", " + ".join(terms))
-        self.set_rows()
-
-    def set_rows(self) -> None:
-        p = self.p
-        for k in self.points:
-            self.set(f"K{p}_{k}", f"Y{k} + w{k} * H_xt")
-            self.set(f"K{p + 1}_{k}", f"V{k} + w{k} * H_zt")
-        self.set(f"K{p}_{p}", "i_xx + H_xx")
-        self.set(f"K{p + 1}_{p}", "i_xz + H_xz")
-        self.set(f"K{p + 1}_{p + 1}", "i_zz + H_zz")
+            self.set(f"{stem}{g}", self.point(g, name))
 
     def solve(self) -> None:
-        p = self.p
-        self.say("factor by blocks of two, tip position first; the pivots' signs certify stability")
-        blocks = [[p, p + 1]] + [list(range(k, min(k + 2, p))) for k in range(0, p, 2)]
-        remaining = [*range(p)]
-        self.set("pivot", row("PIVOT"))
-        for block in blocks:
+        """Write the elimination of tip force and position, the factorization, and the step."""
+        self.function("solve", "con, cr, cl, state, sr, j, keep", "Solve for the step, see `condensed`, and take it.")
+        for name in ("XX", "XZ", "ZZ", "DX", "DZ"):
+            self.set(f"c_{name.lower()}", " + ".join(self.point(g, name) for g in self.points))
+        for stem, name in (("X", "BX"), ("Z", "BZ"), ("o", "THETA")):
+            self.load(stem, name)
+        for g in self.points:
+            self.set(f"t{g}", self.station(g, 7))
+        for name in ("xx", "xz", "zz", "xt", "zt", "tt"):
+            self.set(f"h_{name}", row(name.upper()))
+        self.lines += TIP.format(X=row("X"), Z=row("Z"), tau=row("WTAU"), **{
+            name: row(key) for name, key in (("wx", "WX"), ("wz", "WZ"), ("fx", "FORCE_X"), ("fz", "FORCE_Z"))
+        }).splitlines()
+        for h in self.points:
+            bending = dot([self.stiffness(h, k) for k in self.points], self.names("o"))
+            inner = f"{bending} - {self.station(h, 6)} + {self.point(h, 'COUPLE')}"
+            self.set(f"b{h}", f"t{h} * pull - ({inner}) - X{h} * p_x - Z{h} * p_z")
+        for h in self.points:
+            self.set(f"U{h}", f"s_xx * X{h} + s_xz * Z{h} - g_x * t{h}")
+            self.set(f"V{h}", f"s_xz * X{h} + s_zz * Z{h} - g_z * t{h}")
+            self.set(f"T{h}", f"g_tt * t{h} - g_x * X{h} - g_z * Z{h}")
+            for k in range(h + 1):
+                own = f"{self.stiffness(h, k)} + U{h} * X{k} + V{h} * Z{k} + T{h} * t{k}"
+                self.set(K(h, k), f"{own} + {self.point(h, 'TURN')}" if h == k else own)
+        remaining = [*self.points]
+        for block in self.blocks:
             remaining = [m for m in remaining if m not in block]
-            self.invert(block)
-            for m in remaining:
-                for i in block:
-                    self.set(f"L{m}_{i}", " + ".join(f"{K(m, k)} * I{max(i, k)}_{min(i, k)}" for k in block))
-            for m in remaining:
-                for n in [n for n in remaining if n <= m]:
-                    self.set(K(m, n), K(m, n) + "".join(f" - L{m}_{i} * {K(n, i)}" for i in block))
-                self.set(f"b{m}", f"b{m}" + "".join(f" - L{m}_{i} * b{i}" for i in block))
-        later: list[int] = []
-        for block in reversed(blocks):
-            values = []
+            self.eliminate(block, remaining)
+        self.substitute("b")
+        self.lines.append("    if keep:")
+        for h in self.points:
+            for k in range(h + 1):
+                inverse = any(h in block and k in block for block in self.blocks)
+                self.set(self.own(K(h, k)), f"I{h}_{k}" if inverse else f"L{h}_{k}", "        ")
+        for name in KEPT:
+            self.set(self.own(name), name, "        ")
+        self.move()
+
+    def eliminate(self, block: list[int], remaining: list[int]) -> None:
+        self.invert(block)
+        for m in remaining:
             for i in block:
-                own = " + ".join(f"I{max(i, k)}_{min(i, k)} * b{k}" for k in block)
-                values.append(own + "".join(f" - L{m}_{i} * b{m}" for m in later))
-            self.set(", ".join(f"b{i}" for i in block), ", ".join(values))
-            later = [*block, *later]
+                self.set(f"L{m}_{i}", " + ".join(f"{K(m, k)} * I{max(i, k)}_{min(i, k)}" for k in block))
+        for m in remaining:
+            for n in [n for n in remaining if n <= m]:
+                self.set(K(m, n), K(m, n) + "".join(f" - L{m}_{i} * {K(n, i)}" for i in block))
+            self.set(f"b{m}", f"b{m}" + "".join(f" - L{m}_{i} * b{i}" for i in block))
 
     def invert(self, block: list[int]) -> None:
         i, j = block[0], block[-1]
@@ -366,45 +332,87 @@ class Writer:
         self.set("pivot", smaller.format(K(i, i)))
         self.set("pivot", smaller.format("det"))
 
-    def write(self) -> None:
-        p = self.p
-        own = self.names("b")
-        self.say("step, and the tip force that goes with it")
-        self.set("step_x", f"b{p} + gap_x + {dot(self.names('X'), own)}")
-        self.set("step_z", f"b{p + 1} + gap_z + {dot(self.names('Z'), own)}")
+    def substitute(self, b: str) -> None:
+        later: list[int] = []
+        for block in reversed(self.blocks):
+            values = []
+            for i in block:
+                own = " + ".join(f"I{max(i, k)}_{min(i, k)} * {b}{k}" for k in block)
+                values.append(own + "".join(f" - L{m}_{i} * {b}{m}" for m in later))
+            self.set(", ".join(f"{b}{i}" for i in block), ", ".join(values))
+            later = [*block, *later]
+
+    def displace(self, b: str, e_x: str, e_z: str, gap_x: str, gap_z: str) -> None:
+        """Write tip turn and displacement that go with angles `b`."""
+        self.set("turned", dot(self.names("t"), self.names(b)))
+        self.set("e_x, e_z", f"{e_x} - h_xt * turned, {e_z} - h_zt * turned")
+        self.set("q_x", f"c_xx * e_x + c_xz * e_z{gap_x} - ({dot(self.names('X'), self.names(b))})")
+        self.set("q_z", f"c_xz * e_x + c_zz * e_z{gap_z} - ({dot(self.names('Z'), self.names(b))})")
+        self.set("d_x, d_z", "j_xx * q_x + j_zx * q_z, j_xz * q_x + j_zz * q_z")
+
+    def move(self) -> None:
+        b = self.names("b")
+        self.displace("b", "e_x", "e_z", " - gap_x", " - gap_z")
+        self.set("f_x, f_z", "e_x - h_xx * d_x - h_xz * d_z, e_z - h_xz * d_x - h_zz * d_z")
         for g in self.points:
-            self.set(row(f"KAPPA + {g} * LANES"), f"k{g} + b{g}")
-        self.set(row("X"), f"x + b{p}")
-        self.set(row("Z"), f"z + b{p + 1}")
-        self.set("b_x, b_z", "i_xx * step_x + i_xz * step_z, i_xz * step_x + i_zz * step_z")
-        self.set(row("FORCE_X"), "f_x + b_x")
-        self.set(row("FORCE_Z"), "f_z + b_z")
-        self.set("turned", dot(self.names("w"), own))
-        self.set(row("THETA"), "t_tip + turned")
-        self.say("squared size of the step: turns in rad, positions as shares of the length, and the tip force")
-        squares = [f"(w{g} * b{g}) * (w{g} * b{g})" for g in self.points]
-        squares += [f"(b{p} * b{p} + b{p + 1} * b{p + 1}) * con[C_INV_LENGTH2]"]
-        squares += ["(b_x * b_x + b_z * b_z) * con[C_INV_FORCE2]"]
-        squares += ["turned * turned"]
-        self.set("size", " + ".join(squares))
-        self.say("a step that does not shrink, or a large first one, may lead to another branch: not vouched for")
-        self.set("astray", f"size > min(LARGEST2, SHRINK2 * {row('SIZE')}) and size > TOLERANCE2")
-        self.set("extreme", "2.0 if astray else extreme")
-        self.set(row("SIZE"), "size")
-        self.set(row("PIVOT"), "pivot")
-        self.set(row("EXTREME"), "extreme")
+            self.set(f"o{g}", f"o{g} + b{g}")
+            self.set(self.point(g, "THETA"), f"o{g}")
+        self.set(row("THETA"), f"{con(layout.C_TIP)} + {dot(self.names('t'), self.names('o'))}")
+        for name, change in (("X", "d_x"), ("Z", "d_z"), ("FORCE_X", "f_x"), ("FORCE_Z", "f_z")):
+            self.set(row(name), f"{row(name)} + {change}")
+        squares = f"{dot(b, b)} + turned * turned + (d_x * d_x + d_z * d_z) * {con(layout.C_INV_LENGTH2)}"
+        self.set("size", f"{squares} + (f_x * f_x + f_z * f_z) * {con(layout.C_INV_FORCE2)}")
+        self.lines.append("    judge(state, sr, j, pivot, size)")
 
+    def columns(self) -> None:
+        """Write the derivatives of the tip pose by a wrench at Q."""
+        meaning = "Compliance at Q, lower triangle xx, zx, zz, tx, tz, tt, from the factor that a step with `keep` left."
+        self.function("tip_columns", "con, state, compliance", meaning)
+        self.lines.append("    cr, cl, sr, j = 1, 0, 1, 0")
+        for stem, name in (("X", "BX"), ("Z", "BZ")):
+            self.load(stem, name)
+        for g in self.points:
+            self.set(f"t{g}", self.station(g, 7))
+            for k in range(g + 1):
+                inverse = any(g in block and k in block for block in self.blocks)
+                self.set(f"I{g}_{k}" if inverse else f"L{g}_{k}", self.own(K(g, k)))
+        for name in KEPT:
+            self.set(name, self.own(name))
+        self.set("h_xt, h_zt", f"{row('XT')}, {row('ZT')}")
+        along = (("j_xx", "j_zx", "g_x * c_xx + g_z * c_xz"), ("j_xz", "j_zz", "g_x * c_xz + g_z * c_zz"))
+        for column in range(3):  # unit force along x, along z, unit moment
+            for h in self.points:
+                value = f"t{h}"
+                if column < 2:
+                    p_x, p_z, pull = along[column]
+                    value = f"-{p_x} * X{h} - {p_z} * Z{h} - ({pull}) * t{h}"
+                self.set(f"b{h}", value)
+            remaining = [*self.points]
+            for block in self.blocks:
+                remaining = [m for m in remaining if m not in block]
+                for m in remaining:
+                    self.set(f"b{m}", f"b{m}" + "".join(f" - L{m}_{i} * b{i}" for i in block))
+            self.substitute("b")
+            self.displace("b", "1.0" if column == 0 else "0.0", "1.0" if column == 1 else "0.0", "", "")
+            for i, value in enumerate(("d_x", "d_z", "turned")):
+                if i >= column:
+                    self.set(f"compliance[{i * (i + 1) // 2 + column}]", value)
 
-def module(p: int) -> str:
-    """Return the text of one module."""
-    writer = Writer(p)
-    writer.read()
-    writer.sections()
-    writer.tip()
-    writer.system()
-    writer.solve()
-    writer.write()
-    return HEADER.format(p=p) + "\n".join(writer.lines) + "\n" + FOOTER
+    def module(self) -> str:
+        self.solve()
+        self.columns()
+        sections = "\n".join(f"    section(con, 1, 0, state, 1, 0, {g})" for g in self.points)
+        loops = "\n".join(
+            f"    for j in range(LANES):\n        section(con, cr, own * j, state, LANES, j, {g})" for g in self.points
+        )
+        body = "\n".join(self.lines) + "\n"
+        pieces = stepper.pieces(self.p)
+        cuts = "\n".join(
+            f"    {name} = memory[{first}:{first + math.prod(shape)}]" + (f".reshape({shape})" if len(shape) > 1 else "")
+            for name, (first, shape) in pieces.items()
+        )
+        footer = FOOTER.format(sections=sections, loops=loops, pieces=cuts, total=stepper.memory_size(self.p))
+        return HEADER.format(p=self.p) + body + footer
 
 
 def main() -> int:
@@ -414,7 +422,7 @@ def main() -> int:
     check = parser.parse_args().check
     stale = 0
     for p in ORDERS:
-        path, text = FOLDER / f"condensed{p}.py", module(p)
+        path, text = FOLDER / f"condensed{p}.py", Writer(p).module()
         if check:
             stale += not path.exists() or path.read_text() != text
         else:

@@ -2,49 +2,59 @@
 
 Dead loads along the beam and attachments at its tip only make the contact force known everywhere once the force f at
 the tip is known: n(s) = f + the load beyond s. For p Gauss points that holds in the discrete equations too, so the
-p + 1 nodes need no positions: unknown are the curvature at each Gauss point, the tip position r and f. The stretch
-follows from the inverse of the axial law, the shear from Q/GA, and what is left is
+p + 1 nodes need no positions: unknown are the angle at each Gauss point, the tip position r and f. The stretch follows
+from the inverse of the axial law, the shear from Q/GA, and what is left is
 
-    couple     w_h M_h + sum_g w_g B_gh (Q gamma_x - N gamma_z)_g - w_h tau = 0     for each Gauss point h
+    couple     sum_k K_hk theta_k - c_h + w_h (Q gamma_x - N gamma_z)_h - t_h tau = 0     for each Gauss point h
     closure    sum_g w_g r'_g = r
     tip        f = F(r, theta_tip)
 
-with B the integral of the curvature up to each Gauss point. Newton eliminates f first: its 2 x 2 compliance is
-positive, and the remaining p + 2 equations are positive definite exactly where the equilibrium is stable.
-It is the same discrete solution as that of `newton`, to rounding; the steps themselves are written out in
-`condensed3` to `condensed6`.
+with K the bending stiffness of the angles, c the couple of clamp and curvature as built, t_h the share of theta_h in
+the tip's angle. With C the compliance of the sections' stretch and shear, X = -dr/dtheta at fixed f and H = -dF/dpose,
+Newton's step eliminates f and r through J = (1 + H_rr C)^-1, which stays well-conditioned however stiff the sections
+are, and solves p equations for the angles. Equilibrium is stable exactly where 1 + H_rr C and what is left are
+positive: the pivots certify it. It is the same discrete solution as that of `newton`, to rounding.
+
+The same source serves three uses. Constant k of a lane is ``con[cr * k + cl]`` and quantity k of its state
+``state[sr * k + j]``: one load case alone has ``cr = sr = 1`` and ``cl = j = 0``; in a block, lanes lie side by side
+(``sr = LANES``) and share one mechanism (``cr = 1, cl = 0``) or have one each (``cr = LANES, cl = j``). The compiler
+sees these numbers as constants. `condensed_laws` holds the physics; the solution of the step, written out for each
+order, and what loops over it are in `condensed3` to `condensed6`.
 """
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, step_kernel
 from .layout import (
     C_INV_FORCE2,
     C_INV_LENGTH2,
     C_SHIFT,
-    C_SLOPE,
     C_STATION,
     C_STRETCH,
     C_THETA0,
+    C_TIP,
     L_FX,
     L_FZ,
     L_LAM_L,
     L_LAM_R,
     L_TAU,
     LANES,
+    N_KEPT,
     N_POINT,
+    N_SECTION,
     N_SLOPE,
     N_STRETCH,
     N_TIP,
+    P_THETA,
     R_EXTREME,
     R_FORCE_X,
     R_FORCE_Z,
     R_FX,
     R_FZ,
-    R_KAPPA,
     R_LAM_L,
     R_LAM_R,
     R_PIVOT,
+    R_POINT,
     R_SIZE,
     R_TAU,
     R_THETA,
@@ -64,25 +74,28 @@ from .layout import (
     T_WEIGHT_X,
     T_WEIGHT_Z,
 )
-from .section import axial_law
 from .trig import sincos
 
 __all__ = [
     "condense",
     "constants_size",
-    "largest_step",
-    "restart_lane",
-    "start_lane",
+    "judge",
+    "put_load",
+    "settled",
     "state_size",
-    "stretch_fit",
+    "straighten",
+    "stretch_polynomials",
+    "unjudged",
     "vouches",
 ]
 
 # N/EA over which the polynomials for the stretch hold: from 9 % shortening to 4 % stretch
 LOWEST, HIGHEST = -0.10, 0.04
-# squares of a step, in rad and shares of the length: of the last one, of the largest first one, and of the ratio of
+_HALF = 0.5 * (HIGHEST - LOWEST)
+_SHIFT = -0.5 * (HIGHEST + LOWEST) / _HALF
+# squares, in rad and shares of the length: of a step that is rounding, of the largest first one, and of the ratio of
 # two successive ones
-TOLERANCE2, LARGEST2, SHRINK2 = 1e-18, 1.0, 0.25
+ROUNDING2, LARGEST2, SHRINK2 = 1e-18, 1.0, 0.25
 MAX_STEPS = 7
 # a tip force that still changes by 1e-7 EI/length^2 counts as much as a step of 1e-9
 FORCE_SHARE = 0.01
@@ -90,124 +103,139 @@ FORCE_SHARE = 0.01
 
 def constants_size(order: int) -> int:
     """Return how many constants the condensed formulation of an order has."""
-    return C_STATION + N_POINT * order + order * order
+    return C_STATION + N_POINT * order + order * (order + 1) // 2
 
 
 def state_size(order: int) -> int:
-    """Return how many numbers the state of `LANES` load cases has."""
-    return R_KAPPA + LANES * order
+    """Return how many numbers the state of one load case has."""
+    return R_POINT + N_SECTION * order + order * (order + 1) // 2 + N_KEPT
 
 
-def stretch_fit() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the scaled axial forces to fit at, and the matrices from stretches there to both polynomials.
+def stretch_polynomials() -> np.ndarray:
+    """Return the inverse axial law, one row for each law: stretch by scaled axial force, then its slope by N/EA.
 
-    Shapes (N_STRETCH,), (N_STRETCH, N_STRETCH), (N_SLOPE, N_STRETCH).
+    Shape (2, N_STRETCH + N_SLOPE): the neo-Hookean law's, then Hooke's. Interpolated at Chebyshev points.
     """
     u = np.cos(np.pi * (np.arange(N_STRETCH) + 0.5) / N_STRETCH)
-    to_power = np.linalg.inv(np.vander(u, increasing=True))
-    derivative = np.diag(np.arange(1.0, N_STRETCH), 1)
-    slopes = np.vander(u, increasing=True) @ derivative @ to_power
-    fewer = np.linalg.pinv(np.vander(u, N_SLOPE, increasing=True)) @ slopes
-    return u, to_power, fewer
+    share = _HALF * (u - _SHIFT)
+    stretch = np.ones(N_STRETCH)
+    for _ in range(50):  # Newton's method for the law (19): share = (stretch - stretch^-2) / 3
+        stretch -= (stretch**3 - 3.0 * share * stretch**2 - 1.0) / (3.0 * stretch**2 - 6.0 * share * stretch)
+    slope = 3.0 * stretch**3 / (stretch**3 + 2.0)
+    to_stretch = np.linalg.inv(np.vander(u, increasing=True))
+    to_slope = np.linalg.pinv(np.vander(u, N_SLOPE, increasing=True))
+    hooke = np.zeros(N_STRETCH + N_SLOPE)
+    hooke[0], hooke[1], hooke[N_STRETCH] = 1.0 - _HALF * _SHIFT, _HALF, 1.0
+    return np.stack([np.concatenate([to_stretch @ stretch, to_slope @ slope]), hooke])
 
 
 @kernel
-def condense(stations, tip, q_rest, turn, fit_at, to_stretch, to_slope, con):
+def condense(stations, tip, q_rest, turn, slopes, stretch, con):
     """Constants of the condensed formulation, from those of the finite element model.
 
     stations : (p, N_STATION), tip : (N_TIP,), q_rest : (3 n_nodes,)   see `prepare`
-    turn : (p, p)   integrals of the curvature's shape functions up to each Gauss point, for length 1 [-]
-    fit_at, to_stretch, to_slope : see `stretch_fit`
+    turn : (p, p)     integrals of the curvature's shape functions up to each Gauss point, for length 1 [-]
+    slopes : (p, p)   its inverse: curvature at each Gauss point by the angles there
+    stretch : see `stretch_polynomials`
     con : (constants_size(p),)   overwritten
 
     Returns whether the formulation applies: the section's laws are uncoupled and the axial one is the same along
     the beam.
     """
     p = stations.shape[0]
-    length = tip[T_LENGTH]
+    length, theta0 = tip[T_LENGTH], q_rest[2]
     con[:N_TIP] = tip
-    con[C_THETA0], con[C_INV_LENGTH2] = q_rest[2], 1.0 / (length * length)
+    con[C_THETA0], con[C_INV_LENGTH2], con[C_SHIFT] = theta0, 1.0 / (length * length), _SHIFT
     con[C_INV_FORCE2] = (FORCE_SHARE / tip[T_BENDING_FORCE]) ** 2
-    half = 0.5 * (HIGHEST - LOWEST)
-    con[C_SHIFT] = -0.5 * (HIGHEST + LOWEST) / half
-    con[C_STRETCH:C_STATION] = 0.0
-    for i in range(N_STRETCH):
-        stretch = _stretch(stations[0, S_HOOKE], half * (fit_at[i] - con[C_SHIFT]))
-        for k in range(N_STRETCH):
-            con[C_STRETCH + k] += to_stretch[k, i] * stretch
-        for k in range(N_SLOPE):
-            con[C_SLOPE + k] += to_slope[k, i] * stretch / half
-    applies = True
+    con[C_STRETCH:C_STATION] = stretch[1 if stations[0, S_HOOKE] > 0.5 else 0]
+    con[C_STATION:] = 0.0
+    K = con[C_STATION + N_POINT * p :]
+    applies, shares = True, 0.0
     for g in range(p):
         row, w = stations[g], stations[g, S_WEIGHT]
         applies = applies and row[S_OFFSET] == 0.0 and row[S_HOOKE] == stations[0, S_HOOKE]
-        beyond_x, beyond_z = 0.0, 0.0
-        for k in range(p):
-            share = stations[k, S_WEIGHT] * turn[k, g] * length / w
-            beyond_x += share * stations[k, S_LOAD_X]
-            beyond_z += share * stations[k, S_LOAD_Z]
         point = con[C_STATION + N_POINT * g : C_STATION + N_POINT * (g + 1)]
-        point[0], point[1], point[2] = w, 1.0 / (row[S_EA] * half), 1.0 / row[S_EA]
-        point[3], point[4] = w * row[S_EI], w * row[S_EI] * row[S_KAPPA0]
-        point[5], point[6], point[7] = beyond_x, beyond_z, 1.0 / row[S_GA]
-        for h in range(p):
-            con[C_STATION + N_POINT * p + p * g + h] = turn[g, h] * length
+        point[0], point[1], point[2], point[5] = w, 1.0 / (row[S_EA] * _HALF), 1.0 / row[S_EA], 1.0 / row[S_GA]
+        for k in range(p):
+            other = stations[k]
+            share = other[S_WEIGHT] * turn[k, g] * length / w
+            point[3] += share * other[S_LOAD_X]
+            point[4] += share * other[S_LOAD_Z]
+            bend = other[S_WEIGHT] * slopes[k, g] / length
+            point[6] += bend * other[S_EI] * other[S_KAPPA0]
+            point[7] += bend
+            for h in range(p):
+                K_gh = bend * other[S_EI] * slopes[k, h] / length
+                point[6] += K_gh * theta0
+                if h <= g:
+                    K[g * (g + 1) // 2 + h] += K_gh
+        shares += point[7]
+    con[C_TIP] = (1.0 - shares) * theta0
     return applies
 
 
-@kernel
-def _stretch(hooke, share):
-    """Stretch at which the axial force is `share` of EA: the axial law [C1] inverted by Newton's method."""
-    stretch = 1.0
-    for _ in range(50):
-        force, slope = axial_law(1.0, hooke, stretch)
-        change = (share - force) / slope
-        stretch += change
-        if abs(change) < 1e-16:
-            break
-    return stretch
+@step_kernel
+def put_load(state, sr, j, loads):
+    """Put loads (N_LOADS,) on lane `j`; the share of gravity is taken as 1."""
+    state[sr * R_LAM_L + j], state[sr * R_LAM_R + j] = loads[L_LAM_L], loads[L_LAM_R]
+    state[sr * R_FX + j], state[sr * R_FZ + j], state[sr * R_TAU + j] = loads[L_FX], loads[L_FZ], loads[L_TAU]
 
 
-@kernel
-def start_lane(con, loads, state, j):
-    """Put a load case into lane `j` of the state, the beam straight.
-
-    loads : (N_LOADS,), of which the share of gravity is taken as 1
-    """
-    state[R_LAM_L + j], state[R_LAM_R + j] = loads[L_LAM_L], loads[L_LAM_R]
-    state[R_FX + j], state[R_FZ + j], state[R_TAU + j] = loads[L_FX], loads[L_FZ], loads[L_TAU]
-    restart_lane(con, state, j)
-
-
-@kernel
-def restart_lane(con, state, j):
+@step_kernel
+def straighten(con, cr, cl, state, sr, j, order):
     """Put the beam of lane `j` back into its straight state, under the loads that are there."""
-    s, c = sincos(con[C_THETA0])
-    state[R_X + j], state[R_Z + j], state[R_THETA + j] = con[T_LENGTH] * c, -con[T_LENGTH] * s, con[C_THETA0]
+    length, theta = con[cr * T_LENGTH + cl], con[cr * C_THETA0 + cl]
+    s, c = sincos(theta)
+    state[sr * R_X + j], state[sr * R_Z + j], state[sr * R_THETA + j] = length * c, -length * s, theta
     # tendons at rest pull along the beam, nearly; Newton corrects that
-    pull = state[R_LAM_L + j] + state[R_LAM_R + j]
-    state[R_FORCE_X + j] = state[R_FX + j] + con[T_WEIGHT_X] - pull * c
-    state[R_FORCE_Z + j] = state[R_FZ + j] + con[T_WEIGHT_Z] + pull * s
-    state[R_SIZE + j], state[R_PIVOT + j], state[R_EXTREME + j] = np.inf, np.inf, 0.0
-    for row in range(R_KAPPA, state.shape[0], LANES):
-        state[row + j] = 0.0
+    pull = state[sr * R_LAM_L + j] + state[sr * R_LAM_R + j]
+    state[sr * R_FORCE_X + j] = state[sr * R_FX + j] + con[cr * T_WEIGHT_X + cl] - pull * c
+    state[sr * R_FORCE_Z + j] = state[sr * R_FZ + j] + con[cr * T_WEIGHT_Z + cl] + pull * s
+    for g in range(order):
+        state[sr * (R_POINT + N_SECTION * g + P_THETA) + j] = theta
+    unjudged(state, sr, j)
 
 
-@kernel
-def largest_step(state):
-    """Return the largest squared step of all lanes; one that is not a number does not count."""
-    largest = 0.0
-    for j in range(LANES):
-        largest = max(largest, state[R_SIZE + j])
-    return largest
+@step_kernel
+def unjudged(state, sr, j):
+    """Forget what the steps of lane `j` said."""
+    state[sr * R_SIZE + j], state[sr * R_PIVOT + j], state[sr * R_EXTREME + j] = np.inf, np.inf, 0.0
 
 
-@kernel
-def vouches(state, j):
+@step_kernel
+def judge(state, sr, j, pivot, size):
+    """Write down what a step says of itself.
+
+    pivot : the smallest; positive where the iterate was stable
+    size : sum of squares of the turns [rad], of the tip's displacement [lengths] and of the tip force's change
+    A step that does not shrink, or a large first one, may lead to another branch: it is not vouched for.
+    """
+    limit = SHRINK2 * state[sr * R_SIZE + j]
+    limit = limit if limit < LARGEST2 else LARGEST2
+    limit = limit if limit > ROUNDING2 else ROUNDING2
+    extreme, smallest = state[sr * R_EXTREME + j], state[sr * R_PIVOT + j]
+    state[sr * R_EXTREME + j] = 2.0 if size > limit else extreme
+    state[sr * R_PIVOT + j] = pivot if pivot < smallest else smallest
+    state[sr * R_SIZE + j] = size
+
+
+@step_kernel
+def vouches(state, sr, j, last2):
     """Whether lane `j` holds a stable equilibrium that the fast path vouches for.
 
     Every iterate must have been stable and inside the range of the polynomials, every step must have shrunk by half
-    at least, and the last one below the tolerance. Where it does not vouch, that is no verdict: the robust solver
-    decides.
+    at least, and the squared size of the last one is at most `last2`. Where it does not vouch, that is no verdict:
+    the robust solver decides.
     """
-    return state[R_SIZE + j] < TOLERANCE2 and state[R_PIVOT + j] > 0.0 and state[R_EXTREME + j] <= 1.0
+    converged, stable = state[sr * R_SIZE + j] <= last2, state[sr * R_PIVOT + j] > 0.0
+    return converged and stable and state[sr * R_EXTREME + j] <= 1.0
+
+
+@kernel
+def settled(state, last2):
+    """Whether every lane's last step is small enough, of those that can still be vouched for."""
+    largest = 0.0
+    for j in range(LANES):
+        size = state[LANES * R_SIZE + j] if state[LANES * R_EXTREME + j] <= 1.0 else 0.0
+        largest = size if size > largest else largest
+    return largest <= last2

@@ -1,311 +1,104 @@
-"""Newton's step of the condensed formulation for one element of order 4, written out. Do not edit.
+"""The condensed formulation for one element of order 4, written out. Do not edit.
 
 Written by `tools/write_condensed.py`; the formulation is explained in `condensed`.
 """
 
-import math
-
 import numpy as np
 
-from ._jit import kernel, step_kernel
-from .condensed import LARGEST2, MAX_STEPS, SHRINK2, TOLERANCE2, largest_step, restart_lane, start_lane, vouches
+from ._jit import array_at, kernel, step_kernel, wide
+from .condensed import MAX_STEPS, condense, judge, put_load, settled, straighten, vouches
+from .condensed_laws import plate, section
 from .layout import (
-    C_INV_FORCE2,
-    C_INV_LENGTH2,
-    C_SHIFT,
-    C_SLOPE,
-    C_STATION,
-    C_STRETCH,
-    C_THETA0,
     CONVERGED,
     INVALID_INPUT,
     LANES,
     NOT_CONVERGED,
     R_EXTREME,
-    R_FORCE_X,
-    R_FORCE_Z,
-    R_FX,
-    R_FZ,
-    R_KAPPA,
     R_LAM_L,
     R_LAM_R,
-    R_PIVOT,
-    R_SIZE,
-    R_TAU,
     R_THETA,
     R_X,
     R_Z,
-    T_ATTACH_LX,
-    T_ATTACH_LZ,
-    T_ATTACH_RX,
-    T_ATTACH_RZ,
-    T_COM_X,
-    T_COM_Z,
-    T_PULLEY_LX,
-    T_PULLEY_LZ,
-    T_PULLEY_RX,
-    T_PULLEY_RZ,
-    T_RADIUS,
-    T_WEIGHT_X,
-    T_WEIGHT_Z,
 )
+from .prepare import prepare
+from .start import extrapolate, guess, remember
+from .stepper import rescue, unfold
 
-__all__ = ["advance", "solve_block", "step", "sweep"]
+__all__ = ["ORDER", "advance", "solve_loads", "solve_mechanisms", "step", "sweep", "sweep_mechanisms", "tip_columns"]
+
+ORDER = 4
 
 
 @step_kernel
-def step(con, state, j):
-    """Take one Newton step for the load case in column `j`; see `condensed`."""
-    # state: curvatures at the Gauss points, tip position, tip force
-    k0 = state[R_KAPPA + 0 * LANES + j]
-    k1 = state[R_KAPPA + 1 * LANES + j]
-    k2 = state[R_KAPPA + 2 * LANES + j]
-    k3 = state[R_KAPPA + 3 * LANES + j]
-    x, z, f_x, f_z = state[R_X + j], state[R_Z + j], state[R_FORCE_X + j], state[R_FORCE_Z + j]
-    w0 = con[C_STATION + 0]
-    w1 = con[C_STATION + 8]
-    w2 = con[C_STATION + 16]
-    w3 = con[C_STATION + 24]
-    # angles: the clamp's plus the integral of the curvature
-    t0 = con[C_THETA0] + con[C_STATION + 32] * k0 + con[C_STATION + 33] * k1 + con[C_STATION + 34] * k2 + con[C_STATION + 35] * k3
-    t1 = con[C_THETA0] + con[C_STATION + 36] * k0 + con[C_STATION + 37] * k1 + con[C_STATION + 38] * k2 + con[C_STATION + 39] * k3
-    t2 = con[C_THETA0] + con[C_STATION + 40] * k0 + con[C_STATION + 41] * k1 + con[C_STATION + 42] * k2 + con[C_STATION + 43] * k3
-    t3 = con[C_THETA0] + con[C_STATION + 44] * k0 + con[C_STATION + 45] * k1 + con[C_STATION + 46] * k2 + con[C_STATION + 47] * k3
-    t_tip = con[C_THETA0] + w0 * k0 + w1 * k1 + w2 * k2 + w3 * k3
-    extreme = state[R_EXTREME + j]
-    # Gauss point 0: the force there is known, so stretch and shear follow from it
-    r2 = t0 * t0
-    r22 = r2 * r2
-    s = t0 * ((0.9999999999999999 + r22 * (0.00833333333327031 + r22 * (2.7557316196951017e-06 + r22 * (1.6047346685140787e-10)))) + r2 * (-0.166666666666659 + r22 * (-0.000198412698215638 + r22 * (-2.505185572558516e-08 + r22 * (-7.364331601228968e-13)))))
-    c = (1.0 + r22 * (0.04166666666666307 + r22 * (2.4801587272556152e-05 + r22 * (2.087653924157399e-09 + r22 * (4.602690920668355e-14))))) + r2 * (-0.49999999999999967 + r22 * (-0.0013888888888744474 + r22 * (-2.755731594453267e-07 + r22 * (-1.1462309288889073e-11))))
-    extreme = r2 * 0.39062499999999994 if r2 * 0.39062499999999994 > extreme else extreme
-    n_x, n_z = f_x + con[C_STATION + 5], f_z + con[C_STATION + 6]
-    N, Q = n_x * c - n_z * s, n_x * s + n_z * c
-    u = N * con[C_STATION + 1] + con[C_SHIFT]
-    u2 = u * u
-    stretch = (con[C_STRETCH + 0] + u2 * (con[C_STRETCH + 2] + u2 * (con[C_STRETCH + 4] + u2 * (con[C_STRETCH + 6] + u2 * (con[C_STRETCH + 8] + u2 * (con[C_STRETCH + 10] + u2 * (con[C_STRETCH + 12]))))))) + u * (con[C_STRETCH + 1] + u2 * (con[C_STRETCH + 3] + u2 * (con[C_STRETCH + 5] + u2 * (con[C_STRETCH + 7] + u2 * (con[C_STRETCH + 9] + u2 * (con[C_STRETCH + 11]))))))
-    by_N = con[C_STATION + 2] * ((con[C_SLOPE + 0] + u2 * (con[C_SLOPE + 2] + u2 * (con[C_SLOPE + 4] + u2 * (con[C_SLOPE + 6] + u2 * (con[C_SLOPE + 8]))))) + u * (con[C_SLOPE + 1] + u2 * (con[C_SLOPE + 3] + u2 * (con[C_SLOPE + 5] + u2 * (con[C_SLOPE + 7])))))
-    extreme = u2 if u2 > extreme else extreme
-    by_Q = con[C_STATION + 7]
-    shear = Q * by_Q
-    a0 = w0 * (Q * (shear - Q * by_N) + N * (stretch - N * by_Q))
-    along, across = w0 * (Q * by_N - shear), w0 * (stretch - N * by_Q)
-    bx0, bz0 = along * c + across * s, across * c - along * s
-    m0 = w0 * (Q * stretch - N * shear)
-    dx0, dz0 = w0 * (stretch * c + shear * s), w0 * (shear * c - stretch * s)
-    cxx0 = w0 * (c * c * by_N + s * s * by_Q)
-    cxz0 = w0 * s * c * (by_Q - by_N)
-    czz0 = w0 * (s * s * by_N + c * c * by_Q)
-    # Gauss point 1: the force there is known, so stretch and shear follow from it
-    r2 = t1 * t1
-    r22 = r2 * r2
-    s = t1 * ((0.9999999999999999 + r22 * (0.00833333333327031 + r22 * (2.7557316196951017e-06 + r22 * (1.6047346685140787e-10)))) + r2 * (-0.166666666666659 + r22 * (-0.000198412698215638 + r22 * (-2.505185572558516e-08 + r22 * (-7.364331601228968e-13)))))
-    c = (1.0 + r22 * (0.04166666666666307 + r22 * (2.4801587272556152e-05 + r22 * (2.087653924157399e-09 + r22 * (4.602690920668355e-14))))) + r2 * (-0.49999999999999967 + r22 * (-0.0013888888888744474 + r22 * (-2.755731594453267e-07 + r22 * (-1.1462309288889073e-11))))
-    extreme = r2 * 0.39062499999999994 if r2 * 0.39062499999999994 > extreme else extreme
-    n_x, n_z = f_x + con[C_STATION + 13], f_z + con[C_STATION + 14]
-    N, Q = n_x * c - n_z * s, n_x * s + n_z * c
-    u = N * con[C_STATION + 9] + con[C_SHIFT]
-    u2 = u * u
-    stretch = (con[C_STRETCH + 0] + u2 * (con[C_STRETCH + 2] + u2 * (con[C_STRETCH + 4] + u2 * (con[C_STRETCH + 6] + u2 * (con[C_STRETCH + 8] + u2 * (con[C_STRETCH + 10] + u2 * (con[C_STRETCH + 12]))))))) + u * (con[C_STRETCH + 1] + u2 * (con[C_STRETCH + 3] + u2 * (con[C_STRETCH + 5] + u2 * (con[C_STRETCH + 7] + u2 * (con[C_STRETCH + 9] + u2 * (con[C_STRETCH + 11]))))))
-    by_N = con[C_STATION + 10] * ((con[C_SLOPE + 0] + u2 * (con[C_SLOPE + 2] + u2 * (con[C_SLOPE + 4] + u2 * (con[C_SLOPE + 6] + u2 * (con[C_SLOPE + 8]))))) + u * (con[C_SLOPE + 1] + u2 * (con[C_SLOPE + 3] + u2 * (con[C_SLOPE + 5] + u2 * (con[C_SLOPE + 7])))))
-    extreme = u2 if u2 > extreme else extreme
-    by_Q = con[C_STATION + 15]
-    shear = Q * by_Q
-    a1 = w1 * (Q * (shear - Q * by_N) + N * (stretch - N * by_Q))
-    along, across = w1 * (Q * by_N - shear), w1 * (stretch - N * by_Q)
-    bx1, bz1 = along * c + across * s, across * c - along * s
-    m1 = w1 * (Q * stretch - N * shear)
-    dx1, dz1 = w1 * (stretch * c + shear * s), w1 * (shear * c - stretch * s)
-    cxx1 = w1 * (c * c * by_N + s * s * by_Q)
-    cxz1 = w1 * s * c * (by_Q - by_N)
-    czz1 = w1 * (s * s * by_N + c * c * by_Q)
-    # Gauss point 2: the force there is known, so stretch and shear follow from it
-    r2 = t2 * t2
-    r22 = r2 * r2
-    s = t2 * ((0.9999999999999999 + r22 * (0.00833333333327031 + r22 * (2.7557316196951017e-06 + r22 * (1.6047346685140787e-10)))) + r2 * (-0.166666666666659 + r22 * (-0.000198412698215638 + r22 * (-2.505185572558516e-08 + r22 * (-7.364331601228968e-13)))))
-    c = (1.0 + r22 * (0.04166666666666307 + r22 * (2.4801587272556152e-05 + r22 * (2.087653924157399e-09 + r22 * (4.602690920668355e-14))))) + r2 * (-0.49999999999999967 + r22 * (-0.0013888888888744474 + r22 * (-2.755731594453267e-07 + r22 * (-1.1462309288889073e-11))))
-    extreme = r2 * 0.39062499999999994 if r2 * 0.39062499999999994 > extreme else extreme
-    n_x, n_z = f_x + con[C_STATION + 21], f_z + con[C_STATION + 22]
-    N, Q = n_x * c - n_z * s, n_x * s + n_z * c
-    u = N * con[C_STATION + 17] + con[C_SHIFT]
-    u2 = u * u
-    stretch = (con[C_STRETCH + 0] + u2 * (con[C_STRETCH + 2] + u2 * (con[C_STRETCH + 4] + u2 * (con[C_STRETCH + 6] + u2 * (con[C_STRETCH + 8] + u2 * (con[C_STRETCH + 10] + u2 * (con[C_STRETCH + 12]))))))) + u * (con[C_STRETCH + 1] + u2 * (con[C_STRETCH + 3] + u2 * (con[C_STRETCH + 5] + u2 * (con[C_STRETCH + 7] + u2 * (con[C_STRETCH + 9] + u2 * (con[C_STRETCH + 11]))))))
-    by_N = con[C_STATION + 18] * ((con[C_SLOPE + 0] + u2 * (con[C_SLOPE + 2] + u2 * (con[C_SLOPE + 4] + u2 * (con[C_SLOPE + 6] + u2 * (con[C_SLOPE + 8]))))) + u * (con[C_SLOPE + 1] + u2 * (con[C_SLOPE + 3] + u2 * (con[C_SLOPE + 5] + u2 * (con[C_SLOPE + 7])))))
-    extreme = u2 if u2 > extreme else extreme
-    by_Q = con[C_STATION + 23]
-    shear = Q * by_Q
-    a2 = w2 * (Q * (shear - Q * by_N) + N * (stretch - N * by_Q))
-    along, across = w2 * (Q * by_N - shear), w2 * (stretch - N * by_Q)
-    bx2, bz2 = along * c + across * s, across * c - along * s
-    m2 = w2 * (Q * stretch - N * shear)
-    dx2, dz2 = w2 * (stretch * c + shear * s), w2 * (shear * c - stretch * s)
-    cxx2 = w2 * (c * c * by_N + s * s * by_Q)
-    cxz2 = w2 * s * c * (by_Q - by_N)
-    czz2 = w2 * (s * s * by_N + c * c * by_Q)
-    # Gauss point 3: the force there is known, so stretch and shear follow from it
-    r2 = t3 * t3
-    r22 = r2 * r2
-    s = t3 * ((0.9999999999999999 + r22 * (0.00833333333327031 + r22 * (2.7557316196951017e-06 + r22 * (1.6047346685140787e-10)))) + r2 * (-0.166666666666659 + r22 * (-0.000198412698215638 + r22 * (-2.505185572558516e-08 + r22 * (-7.364331601228968e-13)))))
-    c = (1.0 + r22 * (0.04166666666666307 + r22 * (2.4801587272556152e-05 + r22 * (2.087653924157399e-09 + r22 * (4.602690920668355e-14))))) + r2 * (-0.49999999999999967 + r22 * (-0.0013888888888744474 + r22 * (-2.755731594453267e-07 + r22 * (-1.1462309288889073e-11))))
-    extreme = r2 * 0.39062499999999994 if r2 * 0.39062499999999994 > extreme else extreme
-    n_x, n_z = f_x + con[C_STATION + 29], f_z + con[C_STATION + 30]
-    N, Q = n_x * c - n_z * s, n_x * s + n_z * c
-    u = N * con[C_STATION + 25] + con[C_SHIFT]
-    u2 = u * u
-    stretch = (con[C_STRETCH + 0] + u2 * (con[C_STRETCH + 2] + u2 * (con[C_STRETCH + 4] + u2 * (con[C_STRETCH + 6] + u2 * (con[C_STRETCH + 8] + u2 * (con[C_STRETCH + 10] + u2 * (con[C_STRETCH + 12]))))))) + u * (con[C_STRETCH + 1] + u2 * (con[C_STRETCH + 3] + u2 * (con[C_STRETCH + 5] + u2 * (con[C_STRETCH + 7] + u2 * (con[C_STRETCH + 9] + u2 * (con[C_STRETCH + 11]))))))
-    by_N = con[C_STATION + 26] * ((con[C_SLOPE + 0] + u2 * (con[C_SLOPE + 2] + u2 * (con[C_SLOPE + 4] + u2 * (con[C_SLOPE + 6] + u2 * (con[C_SLOPE + 8]))))) + u * (con[C_SLOPE + 1] + u2 * (con[C_SLOPE + 3] + u2 * (con[C_SLOPE + 5] + u2 * (con[C_SLOPE + 7])))))
-    extreme = u2 if u2 > extreme else extreme
-    by_Q = con[C_STATION + 31]
-    shear = Q * by_Q
-    a3 = w3 * (Q * (shear - Q * by_N) + N * (stretch - N * by_Q))
-    along, across = w3 * (Q * by_N - shear), w3 * (stretch - N * by_Q)
-    bx3, bz3 = along * c + across * s, across * c - along * s
-    m3 = w3 * (Q * stretch - N * shear)
-    dx3, dz3 = w3 * (stretch * c + shear * s), w3 * (shear * c - stretch * s)
-    cxx3 = w3 * (c * c * by_N + s * s * by_Q)
-    cxz3 = w3 * s * c * (by_Q - by_N)
-    czz3 = w3 * (s * s * by_N + c * c * by_Q)
-    cxx = cxx0 + cxx1 + cxx2 + cxx3
-    cxz = cxz0 + cxz1 + cxz2 + cxz3
-    czz = czz0 + czz1 + czz2 + czz3
-    dx = dx0 + dx1 + dx2 + dx3
-    dz = dz0 + dz1 + dz2 + dz3
-    # head plate: tendons, head's weight, dead wrench, and their stiffness
-    r2 = t_tip * t_tip
-    r22 = r2 * r2
-    s = t_tip * ((0.9999999999999999 + r22 * (0.00833333333327031 + r22 * (2.7557316196951017e-06 + r22 * (1.6047346685140787e-10)))) + r2 * (-0.166666666666659 + r22 * (-0.000198412698215638 + r22 * (-2.505185572558516e-08 + r22 * (-7.364331601228968e-13)))))
-    c = (1.0 + r22 * (0.04166666666666307 + r22 * (2.4801587272556152e-05 + r22 * (2.087653924157399e-09 + r22 * (4.602690920668355e-14))))) + r2 * (-0.49999999999999967 + r22 * (-0.0013888888888744474 + r22 * (-2.755731594453267e-07 + r22 * (-1.1462309288889073e-11))))
-    extreme = r2 * 0.39062499999999994 if r2 * 0.39062499999999994 > extreme else extreme
-    r_x, r_z = con[T_COM_X] * c + con[T_COM_Z] * s, con[T_COM_Z] * c - con[T_COM_X] * s
-    weight_x, weight_z = con[T_WEIGHT_X], con[T_WEIGHT_Z]
-    F_x, F_z = state[R_FX + j] + weight_x, state[R_FZ + j] + weight_z
-    tau = state[R_TAU + j] + r_z * weight_x - r_x * weight_z
-    H_tt = r_x * weight_x + r_z * weight_z
-    r_x, r_z = con[T_ATTACH_LX] * c + con[T_ATTACH_LZ] * s, con[T_ATTACH_LZ] * c - con[T_ATTACH_LX] * s
-    v_x, v_z, reach = con[T_PULLEY_LX] - x - r_x, con[T_PULLEY_LZ] - z - r_z, -con[T_RADIUS]
-    square = v_x * v_x + v_z * v_z
-    free = math.sqrt(square - reach * reach)
-    inv = 1.0 / (square * free)
-    by_square = inv * free
-    e_x, e_z = (free * v_x - reach * v_z) * by_square, (free * v_z + reach * v_x) * by_square
-    lam = state[R_LAM_L + j]
-    pull_x, pull_z, stiff = lam * e_x, lam * e_z, lam * inv * square
-    e_t = -e_z * r_z - e_x * r_x
-    H_xx = stiff * e_z * e_z
-    H_xz = -stiff * e_z * e_x
-    H_zz = stiff * e_x * e_x
-    H_xt = -stiff * e_z * e_t
-    H_zt = stiff * e_x * e_t
-    H_tt = H_tt + stiff * e_t * e_t + pull_x * r_x + pull_z * r_z
-    F_x, F_z = F_x + pull_x, F_z + pull_z
-    tau = tau + r_z * pull_x - r_x * pull_z
-    r_x, r_z = con[T_ATTACH_RX] * c + con[T_ATTACH_RZ] * s, con[T_ATTACH_RZ] * c - con[T_ATTACH_RX] * s
-    v_x, v_z, reach = con[T_PULLEY_RX] - x - r_x, con[T_PULLEY_RZ] - z - r_z, con[T_RADIUS]
-    square = v_x * v_x + v_z * v_z
-    free = math.sqrt(square - reach * reach)
-    inv = 1.0 / (square * free)
-    by_square = inv * free
-    e_x, e_z = (free * v_x - reach * v_z) * by_square, (free * v_z + reach * v_x) * by_square
-    lam = state[R_LAM_R + j]
-    pull_x, pull_z, stiff = lam * e_x, lam * e_z, lam * inv * square
-    e_t = -e_z * r_z - e_x * r_x
-    H_xx = H_xx + stiff * e_z * e_z
-    H_xz = H_xz + -stiff * e_z * e_x
-    H_zz = H_zz + stiff * e_x * e_x
-    H_xt = H_xt + -stiff * e_z * e_t
-    H_zt = H_zt + stiff * e_x * e_t
-    H_tt = H_tt + stiff * e_t * e_t + pull_x * r_x + pull_z * r_z
-    F_x, F_z = F_x + pull_x, F_z + pull_z
-    tau = tau + r_z * pull_x - r_x * pull_z
-    # eliminate the tip force: its 2 x 2 compliance is positive, so what is left is positive where stable
-    inv = 1.0 / (cxx * czz - cxz * cxz)
-    i_xx, i_xz, i_zz = czz * inv, -cxz * inv, cxx * inv
-    gap_x, gap_z = x - (dx), z - (dz)
-    g_x, g_z = i_xx * gap_x + i_xz * gap_z, i_xz * gap_x + i_zz * gap_z
-    X0, Z0 = con[C_STATION + 32] * bx0 + con[C_STATION + 36] * bx1 + con[C_STATION + 40] * bx2 + con[C_STATION + 44] * bx3, con[C_STATION + 32] * bz0 + con[C_STATION + 36] * bz1 + con[C_STATION + 40] * bz2 + con[C_STATION + 44] * bz3
-    Y0, V0 = i_xx * X0 + i_xz * Z0, i_xz * X0 + i_zz * Z0
-    b0 = -(con[C_STATION + 3] * k0 - con[C_STATION + 4] + con[C_STATION + 32] * m0 + con[C_STATION + 36] * m1 + con[C_STATION + 40] * m2 + con[C_STATION + 44] * m3 - w0 * tau + X0 * g_x + Z0 * g_z)
-    X1, Z1 = con[C_STATION + 33] * bx0 + con[C_STATION + 37] * bx1 + con[C_STATION + 41] * bx2 + con[C_STATION + 45] * bx3, con[C_STATION + 33] * bz0 + con[C_STATION + 37] * bz1 + con[C_STATION + 41] * bz2 + con[C_STATION + 45] * bz3
-    Y1, V1 = i_xx * X1 + i_xz * Z1, i_xz * X1 + i_zz * Z1
-    b1 = -(con[C_STATION + 11] * k1 - con[C_STATION + 12] + con[C_STATION + 33] * m0 + con[C_STATION + 37] * m1 + con[C_STATION + 41] * m2 + con[C_STATION + 45] * m3 - w1 * tau + X1 * g_x + Z1 * g_z)
-    X2, Z2 = con[C_STATION + 34] * bx0 + con[C_STATION + 38] * bx1 + con[C_STATION + 42] * bx2 + con[C_STATION + 46] * bx3, con[C_STATION + 34] * bz0 + con[C_STATION + 38] * bz1 + con[C_STATION + 42] * bz2 + con[C_STATION + 46] * bz3
-    Y2, V2 = i_xx * X2 + i_xz * Z2, i_xz * X2 + i_zz * Z2
-    b2 = -(con[C_STATION + 19] * k2 - con[C_STATION + 20] + con[C_STATION + 34] * m0 + con[C_STATION + 38] * m1 + con[C_STATION + 42] * m2 + con[C_STATION + 46] * m3 - w2 * tau + X2 * g_x + Z2 * g_z)
-    X3, Z3 = con[C_STATION + 35] * bx0 + con[C_STATION + 39] * bx1 + con[C_STATION + 43] * bx2 + con[C_STATION + 47] * bx3, con[C_STATION + 35] * bz0 + con[C_STATION + 39] * bz1 + con[C_STATION + 43] * bz2 + con[C_STATION + 47] * bz3
-    Y3, V3 = i_xx * X3 + i_xz * Z3, i_xz * X3 + i_zz * Z3
-    b3 = -(con[C_STATION + 27] * k3 - con[C_STATION + 28] + con[C_STATION + 35] * m0 + con[C_STATION + 39] * m1 + con[C_STATION + 43] * m2 + con[C_STATION + 47] * m3 - w3 * tau + X3 * g_x + Z3 * g_z)
-    b4, b5 = F_x - f_x - g_x, F_z - f_z - g_z
-    # tangent by the curvatures and the tip position, lower triangle
-    A0 = con[C_STATION + 32] * a0
-    A1 = con[C_STATION + 36] * a1
-    A2 = con[C_STATION + 40] * a2
-    A3 = con[C_STATION + 44] * a3
-    u0 = w0 * H_tt
-    K0_0 = con[C_STATION + 3] + A0 * con[C_STATION + 32] + A1 * con[C_STATION + 36] + A2 * con[C_STATION + 40] + A3 * con[C_STATION + 44] + Y0 * X0 + V0 * Z0 + u0 * w0
-    A0 = con[C_STATION + 33] * a0
-    A1 = con[C_STATION + 37] * a1
-    A2 = con[C_STATION + 41] * a2
-    A3 = con[C_STATION + 45] * a3
-    u1 = w1 * H_tt
-    K1_0 = A0 * con[C_STATION + 32] + A1 * con[C_STATION + 36] + A2 * con[C_STATION + 40] + A3 * con[C_STATION + 44] + Y1 * X0 + V1 * Z0 + u1 * w0
-    K1_1 = con[C_STATION + 11] + A0 * con[C_STATION + 33] + A1 * con[C_STATION + 37] + A2 * con[C_STATION + 41] + A3 * con[C_STATION + 45] + Y1 * X1 + V1 * Z1 + u1 * w1
-    A0 = con[C_STATION + 34] * a0
-    A1 = con[C_STATION + 38] * a1
-    A2 = con[C_STATION + 42] * a2
-    A3 = con[C_STATION + 46] * a3
-    u2 = w2 * H_tt
-    K2_0 = A0 * con[C_STATION + 32] + A1 * con[C_STATION + 36] + A2 * con[C_STATION + 40] + A3 * con[C_STATION + 44] + Y2 * X0 + V2 * Z0 + u2 * w0
-    K2_1 = A0 * con[C_STATION + 33] + A1 * con[C_STATION + 37] + A2 * con[C_STATION + 41] + A3 * con[C_STATION + 45] + Y2 * X1 + V2 * Z1 + u2 * w1
-    K2_2 = con[C_STATION + 19] + A0 * con[C_STATION + 34] + A1 * con[C_STATION + 38] + A2 * con[C_STATION + 42] + A3 * con[C_STATION + 46] + Y2 * X2 + V2 * Z2 + u2 * w2
-    A0 = con[C_STATION + 35] * a0
-    A1 = con[C_STATION + 39] * a1
-    A2 = con[C_STATION + 43] * a2
-    A3 = con[C_STATION + 47] * a3
-    u3 = w3 * H_tt
-    K3_0 = A0 * con[C_STATION + 32] + A1 * con[C_STATION + 36] + A2 * con[C_STATION + 40] + A3 * con[C_STATION + 44] + Y3 * X0 + V3 * Z0 + u3 * w0
-    K3_1 = A0 * con[C_STATION + 33] + A1 * con[C_STATION + 37] + A2 * con[C_STATION + 41] + A3 * con[C_STATION + 45] + Y3 * X1 + V3 * Z1 + u3 * w1
-    K3_2 = A0 * con[C_STATION + 34] + A1 * con[C_STATION + 38] + A2 * con[C_STATION + 42] + A3 * con[C_STATION + 46] + Y3 * X2 + V3 * Z2 + u3 * w2
-    K3_3 = con[C_STATION + 27] + A0 * con[C_STATION + 35] + A1 * con[C_STATION + 39] + A2 * con[C_STATION + 43] + A3 * con[C_STATION + 47] + Y3 * X3 + V3 * Z3 + u3 * w3
-    K4_0 = Y0 + w0 * H_xt
-    K5_0 = V0 + w0 * H_zt
-    K4_1 = Y1 + w1 * H_xt
-    K5_1 = V1 + w1 * H_zt
-    K4_2 = Y2 + w2 * H_xt
-    K5_2 = V2 + w2 * H_zt
-    K4_3 = Y3 + w3 * H_xt
-    K5_3 = V3 + w3 * H_zt
-    K4_4 = i_xx + H_xx
-    K5_4 = i_xz + H_xz
-    K5_5 = i_zz + H_zz
-    # factor by blocks of two, tip position first; the pivots' signs certify stability
-    pivot = state[R_PIVOT + j]
-    det = K4_4 * K5_5 - K5_4 * K5_4
-    inv = 1.0 / det
-    I4_4, I5_4, I5_5 = K5_5 * inv, -K5_4 * inv, K4_4 * inv
-    pivot = K4_4 if K4_4 < pivot else pivot
-    pivot = det if det < pivot else pivot
-    L0_4 = K4_0 * I4_4 + K5_0 * I5_4
-    L0_5 = K4_0 * I5_4 + K5_0 * I5_5
-    L1_4 = K4_1 * I4_4 + K5_1 * I5_4
-    L1_5 = K4_1 * I5_4 + K5_1 * I5_5
-    L2_4 = K4_2 * I4_4 + K5_2 * I5_4
-    L2_5 = K4_2 * I5_4 + K5_2 * I5_5
-    L3_4 = K4_3 * I4_4 + K5_3 * I5_4
-    L3_5 = K4_3 * I5_4 + K5_3 * I5_5
-    K0_0 = K0_0 - L0_4 * K4_0 - L0_5 * K5_0
-    b0 = b0 - L0_4 * b4 - L0_5 * b5
-    K1_0 = K1_0 - L1_4 * K4_0 - L1_5 * K5_0
-    K1_1 = K1_1 - L1_4 * K4_1 - L1_5 * K5_1
-    b1 = b1 - L1_4 * b4 - L1_5 * b5
-    K2_0 = K2_0 - L2_4 * K4_0 - L2_5 * K5_0
-    K2_1 = K2_1 - L2_4 * K4_1 - L2_5 * K5_1
-    K2_2 = K2_2 - L2_4 * K4_2 - L2_5 * K5_2
-    b2 = b2 - L2_4 * b4 - L2_5 * b5
-    K3_0 = K3_0 - L3_4 * K4_0 - L3_5 * K5_0
-    K3_1 = K3_1 - L3_4 * K4_1 - L3_5 * K5_1
-    K3_2 = K3_2 - L3_4 * K4_2 - L3_5 * K5_2
-    K3_3 = K3_3 - L3_4 * K4_3 - L3_5 * K5_3
-    b3 = b3 - L3_4 * b4 - L3_5 * b5
+def solve(con, cr, cl, state, sr, j, keep):
+    """Solve for the step, see `condensed`, and take it."""
+    c_xx = state[sr * 35 + j] + state[sr * 45 + j] + state[sr * 55 + j] + state[sr * 65 + j]
+    c_xz = state[sr * 36 + j] + state[sr * 46 + j] + state[sr * 56 + j] + state[sr * 66 + j]
+    c_zz = state[sr * 37 + j] + state[sr * 47 + j] + state[sr * 57 + j] + state[sr * 67 + j]
+    c_dx = state[sr * 33 + j] + state[sr * 43 + j] + state[sr * 53 + j] + state[sr * 63 + j]
+    c_dz = state[sr * 34 + j] + state[sr * 44 + j] + state[sr * 54 + j] + state[sr * 64 + j]
+    X0 = state[sr * 31 + j]
+    X1 = state[sr * 41 + j]
+    X2 = state[sr * 51 + j]
+    X3 = state[sr * 61 + j]
+    Z0 = state[sr * 32 + j]
+    Z1 = state[sr * 42 + j]
+    Z2 = state[sr * 52 + j]
+    Z3 = state[sr * 62 + j]
+    o0 = state[sr * 28 + j]
+    o1 = state[sr * 38 + j]
+    o2 = state[sr * 48 + j]
+    o3 = state[sr * 58 + j]
+    t0 = con[cr * 50 + cl]
+    t1 = con[cr * 58 + cl]
+    t2 = con[cr * 66 + cl]
+    t3 = con[cr * 74 + cl]
+    h_xx = state[sr * 16 + j]
+    h_xz = state[sr * 17 + j]
+    h_zz = state[sr * 18 + j]
+    h_xt = state[sr * 19 + j]
+    h_zt = state[sr * 20 + j]
+    h_tt = state[sr * 21 + j]
+    gap_x, gap_z = state[sr * 5 + j] - c_dx, state[sr * 6 + j] - c_dz
+    e_x, e_z = state[sr * 13 + j] - state[sr * 7 + j], state[sr * 14 + j] - state[sr * 8 + j]
+    m_xx, m_xz = 1.0 + h_xx * c_xx + h_xz * c_xz, h_xx * c_xz + h_xz * c_zz
+    m_zx, m_zz = h_xz * c_xx + h_zz * c_xz, 1.0 + h_xz * c_xz + h_zz * c_zz
+    pivot = m_xx * m_zz - m_xz * m_zx
+    inv = 1.0 / pivot
+    pivot = m_xx + m_zz if m_xx + m_zz < pivot else pivot
+    j_xx, j_xz, j_zx, j_zz = m_zz * inv, -m_xz * inv, -m_zx * inv, m_xx * inv
+    s_xx, s_xz, s_zz = j_xx * h_xx + j_xz * h_xz, j_xx * h_xz + j_xz * h_zz, j_zx * h_xz + j_zz * h_zz
+    g_x, g_z = j_xx * h_xt + j_xz * h_zt, j_zx * h_xt + j_zz * h_zt
+    q_x, q_z = c_xx * e_x + c_xz * e_z - gap_x, c_xz * e_x + c_zz * e_z - gap_z
+    g_tt = h_tt - h_xt * (c_xx * g_x + c_xz * g_z) - h_zt * (c_xz * g_x + c_zz * g_z)
+    p_x, p_z = j_xx * e_x + j_xz * e_z + s_xx * gap_x + s_xz * gap_z, j_zx * e_x + j_zz * e_z + s_xz * gap_x + s_zz * gap_z
+    pull = state[sr * 15 + j] - g_x * q_x - g_z * q_z
+    b0 = t0 * pull - (con[cr * 75 + cl] * o0 + con[cr * 76 + cl] * o1 + con[cr * 78 + cl] * o2 + con[cr * 81 + cl] * o3 - con[cr * 49 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
+    b1 = t1 * pull - (con[cr * 76 + cl] * o0 + con[cr * 77 + cl] * o1 + con[cr * 79 + cl] * o2 + con[cr * 82 + cl] * o3 - con[cr * 57 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z
+    b2 = t2 * pull - (con[cr * 78 + cl] * o0 + con[cr * 79 + cl] * o1 + con[cr * 80 + cl] * o2 + con[cr * 83 + cl] * o3 - con[cr * 65 + cl] + state[sr * 50 + j]) - X2 * p_x - Z2 * p_z
+    b3 = t3 * pull - (con[cr * 81 + cl] * o0 + con[cr * 82 + cl] * o1 + con[cr * 83 + cl] * o2 + con[cr * 84 + cl] * o3 - con[cr * 73 + cl] + state[sr * 60 + j]) - X3 * p_x - Z3 * p_z
+    U0 = s_xx * X0 + s_xz * Z0 - g_x * t0
+    V0 = s_xz * X0 + s_zz * Z0 - g_z * t0
+    T0 = g_tt * t0 - g_x * X0 - g_z * Z0
+    K0_0 = con[cr * 75 + cl] + U0 * X0 + V0 * Z0 + T0 * t0 + state[sr * 29 + j]
+    U1 = s_xx * X1 + s_xz * Z1 - g_x * t1
+    V1 = s_xz * X1 + s_zz * Z1 - g_z * t1
+    T1 = g_tt * t1 - g_x * X1 - g_z * Z1
+    K1_0 = con[cr * 76 + cl] + U1 * X0 + V1 * Z0 + T1 * t0
+    K1_1 = con[cr * 77 + cl] + U1 * X1 + V1 * Z1 + T1 * t1 + state[sr * 39 + j]
+    U2 = s_xx * X2 + s_xz * Z2 - g_x * t2
+    V2 = s_xz * X2 + s_zz * Z2 - g_z * t2
+    T2 = g_tt * t2 - g_x * X2 - g_z * Z2
+    K2_0 = con[cr * 78 + cl] + U2 * X0 + V2 * Z0 + T2 * t0
+    K2_1 = con[cr * 79 + cl] + U2 * X1 + V2 * Z1 + T2 * t1
+    K2_2 = con[cr * 80 + cl] + U2 * X2 + V2 * Z2 + T2 * t2 + state[sr * 49 + j]
+    U3 = s_xx * X3 + s_xz * Z3 - g_x * t3
+    V3 = s_xz * X3 + s_zz * Z3 - g_z * t3
+    T3 = g_tt * t3 - g_x * X3 - g_z * Z3
+    K3_0 = con[cr * 81 + cl] + U3 * X0 + V3 * Z0 + T3 * t0
+    K3_1 = con[cr * 82 + cl] + U3 * X1 + V3 * Z1 + T3 * t1
+    K3_2 = con[cr * 83 + cl] + U3 * X2 + V3 * Z2 + T3 * t2
+    K3_3 = con[cr * 84 + cl] + U3 * X3 + V3 * Z3 + T3 * t3 + state[sr * 59 + j]
     det = K0_0 * K1_1 - K1_0 * K1_0
     inv = 1.0 / det
     I0_0, I1_0, I1_1 = K1_1 * inv, -K1_0 * inv, K0_0 * inv
@@ -327,80 +120,293 @@ def step(con, state, j):
     pivot = det if det < pivot else pivot
     b2, b3 = I2_2 * b2 + I3_2 * b3, I3_2 * b2 + I3_3 * b3
     b0, b1 = I0_0 * b0 + I1_0 * b1 - L2_0 * b2 - L3_0 * b3, I1_0 * b0 + I1_1 * b1 - L2_1 * b2 - L3_1 * b3
-    b4, b5 = I4_4 * b4 + I5_4 * b5 - L0_4 * b0 - L1_4 * b1 - L2_4 * b2 - L3_4 * b3, I5_4 * b4 + I5_5 * b5 - L0_5 * b0 - L1_5 * b1 - L2_5 * b2 - L3_5 * b3
-    # step, and the tip force that goes with it
-    step_x = b4 + gap_x + X0 * b0 + X1 * b1 + X2 * b2 + X3 * b3
-    step_z = b5 + gap_z + Z0 * b0 + Z1 * b1 + Z2 * b2 + Z3 * b3
-    state[R_KAPPA + 0 * LANES + j] = k0 + b0
-    state[R_KAPPA + 1 * LANES + j] = k1 + b1
-    state[R_KAPPA + 2 * LANES + j] = k2 + b2
-    state[R_KAPPA + 3 * LANES + j] = k3 + b3
-    state[R_X + j] = x + b4
-    state[R_Z + j] = z + b5
-    b_x, b_z = i_xx * step_x + i_xz * step_z, i_xz * step_x + i_zz * step_z
-    state[R_FORCE_X + j] = f_x + b_x
-    state[R_FORCE_Z + j] = f_z + b_z
-    turned = w0 * b0 + w1 * b1 + w2 * b2 + w3 * b3
-    state[R_THETA + j] = t_tip + turned
-    # squared size of the step: turns in rad, positions as shares of the length, and the tip force
-    size = (w0 * b0) * (w0 * b0) + (w1 * b1) * (w1 * b1) + (w2 * b2) * (w2 * b2) + (w3 * b3) * (w3 * b3) + (b4 * b4 + b5 * b5) * con[C_INV_LENGTH2] + (b_x * b_x + b_z * b_z) * con[C_INV_FORCE2] + turned * turned
-    # a step that does not shrink, or a large first one, may lead to another branch: not vouched for
-    astray = size > min(LARGEST2, SHRINK2 * state[R_SIZE + j]) and size > TOLERANCE2
-    extreme = 2.0 if astray else extreme
-    state[R_SIZE + j] = size
-    state[R_PIVOT + j] = pivot
-    state[R_EXTREME + j] = extreme
+    if keep:
+        state[sr * 68 + j] = I0_0
+        state[sr * 69 + j] = I1_0
+        state[sr * 70 + j] = I1_1
+        state[sr * 71 + j] = L2_0
+        state[sr * 72 + j] = L2_1
+        state[sr * 73 + j] = I2_2
+        state[sr * 74 + j] = L3_0
+        state[sr * 75 + j] = L3_1
+        state[sr * 76 + j] = I3_2
+        state[sr * 77 + j] = I3_3
+        state[sr * 78 + j] = c_xx
+        state[sr * 79 + j] = c_xz
+        state[sr * 80 + j] = c_zz
+        state[sr * 81 + j] = j_xx
+        state[sr * 82 + j] = j_xz
+        state[sr * 83 + j] = j_zx
+        state[sr * 84 + j] = j_zz
+        state[sr * 85 + j] = g_x
+        state[sr * 86 + j] = g_z
+    turned = t0 * b0 + t1 * b1 + t2 * b2 + t3 * b3
+    e_x, e_z = e_x - h_xt * turned, e_z - h_zt * turned
+    q_x = c_xx * e_x + c_xz * e_z - gap_x - (X0 * b0 + X1 * b1 + X2 * b2 + X3 * b3)
+    q_z = c_xz * e_x + c_zz * e_z - gap_z - (Z0 * b0 + Z1 * b1 + Z2 * b2 + Z3 * b3)
+    d_x, d_z = j_xx * q_x + j_zx * q_z, j_xz * q_x + j_zz * q_z
+    f_x, f_z = e_x - h_xx * d_x - h_xz * d_z, e_z - h_xz * d_x - h_zz * d_z
+    o0 = o0 + b0
+    state[sr * 28 + j] = o0
+    o1 = o1 + b1
+    state[sr * 38 + j] = o1
+    o2 = o2 + b2
+    state[sr * 48 + j] = o2
+    o3 = o3 + b3
+    state[sr * 58 + j] = o3
+    state[sr * 9 + j] = con[cr * 17 + cl] + t0 * o0 + t1 * o1 + t2 * o2 + t3 * o3
+    state[sr * 5 + j] = state[sr * 5 + j] + d_x
+    state[sr * 6 + j] = state[sr * 6 + j] + d_z
+    state[sr * 7 + j] = state[sr * 7 + j] + f_x
+    state[sr * 8 + j] = state[sr * 8 + j] + f_z
+    size = b0 * b0 + b1 * b1 + b2 * b2 + b3 * b3 + turned * turned + (d_x * d_x + d_z * d_z) * con[cr * 18 + cl] + (f_x * f_x + f_z * f_z) * con[cr * 19 + cl]
+    judge(state, sr, j, pivot, size)
+
+
+@step_kernel
+def tip_columns(con, state, compliance):
+    """Compliance at Q, lower triangle xx, zx, zz, tx, tz, tt, from the factor that a step with `keep` left."""
+    cr, cl, sr, j = 1, 0, 1, 0
+    X0 = state[sr * 31 + j]
+    X1 = state[sr * 41 + j]
+    X2 = state[sr * 51 + j]
+    X3 = state[sr * 61 + j]
+    Z0 = state[sr * 32 + j]
+    Z1 = state[sr * 42 + j]
+    Z2 = state[sr * 52 + j]
+    Z3 = state[sr * 62 + j]
+    t0 = con[cr * 50 + cl]
+    I0_0 = state[sr * 68 + j]
+    t1 = con[cr * 58 + cl]
+    I1_0 = state[sr * 69 + j]
+    I1_1 = state[sr * 70 + j]
+    t2 = con[cr * 66 + cl]
+    L2_0 = state[sr * 71 + j]
+    L2_1 = state[sr * 72 + j]
+    I2_2 = state[sr * 73 + j]
+    t3 = con[cr * 74 + cl]
+    L3_0 = state[sr * 74 + j]
+    L3_1 = state[sr * 75 + j]
+    I3_2 = state[sr * 76 + j]
+    I3_3 = state[sr * 77 + j]
+    c_xx = state[sr * 78 + j]
+    c_xz = state[sr * 79 + j]
+    c_zz = state[sr * 80 + j]
+    j_xx = state[sr * 81 + j]
+    j_xz = state[sr * 82 + j]
+    j_zx = state[sr * 83 + j]
+    j_zz = state[sr * 84 + j]
+    g_x = state[sr * 85 + j]
+    g_z = state[sr * 86 + j]
+    h_xt, h_zt = state[sr * 19 + j], state[sr * 20 + j]
+    b0 = -j_xx * X0 - j_zx * Z0 - (g_x * c_xx + g_z * c_xz) * t0
+    b1 = -j_xx * X1 - j_zx * Z1 - (g_x * c_xx + g_z * c_xz) * t1
+    b2 = -j_xx * X2 - j_zx * Z2 - (g_x * c_xx + g_z * c_xz) * t2
+    b3 = -j_xx * X3 - j_zx * Z3 - (g_x * c_xx + g_z * c_xz) * t3
+    b2 = b2 - L2_0 * b0 - L2_1 * b1
+    b3 = b3 - L3_0 * b0 - L3_1 * b1
+    b2, b3 = I2_2 * b2 + I3_2 * b3, I3_2 * b2 + I3_3 * b3
+    b0, b1 = I0_0 * b0 + I1_0 * b1 - L2_0 * b2 - L3_0 * b3, I1_0 * b0 + I1_1 * b1 - L2_1 * b2 - L3_1 * b3
+    turned = t0 * b0 + t1 * b1 + t2 * b2 + t3 * b3
+    e_x, e_z = 1.0 - h_xt * turned, 0.0 - h_zt * turned
+    q_x = c_xx * e_x + c_xz * e_z - (X0 * b0 + X1 * b1 + X2 * b2 + X3 * b3)
+    q_z = c_xz * e_x + c_zz * e_z - (Z0 * b0 + Z1 * b1 + Z2 * b2 + Z3 * b3)
+    d_x, d_z = j_xx * q_x + j_zx * q_z, j_xz * q_x + j_zz * q_z
+    compliance[0] = d_x
+    compliance[1] = d_z
+    compliance[3] = turned
+    b0 = -j_xz * X0 - j_zz * Z0 - (g_x * c_xz + g_z * c_zz) * t0
+    b1 = -j_xz * X1 - j_zz * Z1 - (g_x * c_xz + g_z * c_zz) * t1
+    b2 = -j_xz * X2 - j_zz * Z2 - (g_x * c_xz + g_z * c_zz) * t2
+    b3 = -j_xz * X3 - j_zz * Z3 - (g_x * c_xz + g_z * c_zz) * t3
+    b2 = b2 - L2_0 * b0 - L2_1 * b1
+    b3 = b3 - L3_0 * b0 - L3_1 * b1
+    b2, b3 = I2_2 * b2 + I3_2 * b3, I3_2 * b2 + I3_3 * b3
+    b0, b1 = I0_0 * b0 + I1_0 * b1 - L2_0 * b2 - L3_0 * b3, I1_0 * b0 + I1_1 * b1 - L2_1 * b2 - L3_1 * b3
+    turned = t0 * b0 + t1 * b1 + t2 * b2 + t3 * b3
+    e_x, e_z = 0.0 - h_xt * turned, 1.0 - h_zt * turned
+    q_x = c_xx * e_x + c_xz * e_z - (X0 * b0 + X1 * b1 + X2 * b2 + X3 * b3)
+    q_z = c_xz * e_x + c_zz * e_z - (Z0 * b0 + Z1 * b1 + Z2 * b2 + Z3 * b3)
+    d_x, d_z = j_xx * q_x + j_zx * q_z, j_xz * q_x + j_zz * q_z
+    compliance[2] = d_z
+    compliance[4] = turned
+    b0 = t0
+    b1 = t1
+    b2 = t2
+    b3 = t3
+    b2 = b2 - L2_0 * b0 - L2_1 * b1
+    b3 = b3 - L3_0 * b0 - L3_1 * b1
+    b2, b3 = I2_2 * b2 + I3_2 * b3, I3_2 * b2 + I3_3 * b3
+    b0, b1 = I0_0 * b0 + I1_0 * b1 - L2_0 * b2 - L3_0 * b3, I1_0 * b0 + I1_1 * b1 - L2_1 * b2 - L3_1 * b3
+    turned = t0 * b0 + t1 * b1 + t2 * b2 + t3 * b3
+    e_x, e_z = 0.0 - h_xt * turned, 0.0 - h_zt * turned
+    q_x = c_xx * e_x + c_xz * e_z - (X0 * b0 + X1 * b1 + X2 * b2 + X3 * b3)
+    q_z = c_xz * e_x + c_zz * e_z - (Z0 * b0 + Z1 * b1 + Z2 * b2 + Z3 * b3)
+    d_x, d_z = j_xx * q_x + j_zx * q_z, j_xz * q_x + j_zz * q_z
+    compliance[5] = turned
+
+
+@step_kernel
+def step(con, state, keep):
+    """Take one Newton step for the one load case that `state` holds; with `keep`, leave the factor to `tip_columns`."""
+    section(con, 1, 0, state, 1, 0, 0)
+    section(con, 1, 0, state, 1, 0, 1)
+    section(con, 1, 0, state, 1, 0, 2)
+    section(con, 1, 0, state, 1, 0, 3)
+    plate(con, 1, 0, state, 1, 0)
+    solve(con, 1, 0, state, 1, 0, keep)
+
+
+@step_kernel
+def _sweep(con, cr, own, state):
+    wide()
+    # one loop after the other: each body fits the window in which a processor reorders instructions
+    for j in range(LANES):
+        section(con, cr, own * j, state, LANES, j, 0)
+    for j in range(LANES):
+        section(con, cr, own * j, state, LANES, j, 1)
+    for j in range(LANES):
+        section(con, cr, own * j, state, LANES, j, 2)
+    for j in range(LANES):
+        section(con, cr, own * j, state, LANES, j, 3)
+    for j in range(LANES):
+        plate(con, cr, own * j, state, LANES, j)
+    for j in range(LANES):
+        solve(con, cr, own * j, state, LANES, j, False)
 
 
 @kernel
 def sweep(con, state):
-    """Take one Newton step for every lane; the compiler turns this loop into vector instructions."""
-    for j in range(LANES):
-        step(con, state, j)
+    """Take one Newton step in every lane: many loads, one mechanism."""
+    wide()
+    _sweep(con, 1, 0, state)
 
 
 @kernel
-def solve_block(con, loads, state, pose, status):
-    """Solve load cases from the straight beam, LANES at a time.
+def sweep_mechanisms(con, state):
+    """Take one Newton step in every lane, each with constants of its own: `con` holds lanes as `state` does."""
+    wide()
+    _sweep(con, LANES, 1, state)
 
-    loads : (n, N_LOADS)
-    state : (state_size,)   work space
+
+@kernel
+def _collect(state, last2, pose, status):
+    for j in range(pose.shape[0]):
+        pose[j, 0], pose[j, 1] = state[LANES * R_X + j], state[LANES * R_Z + j]
+        pose[j, 2] = state[LANES * R_THETA + j]
+        status[j] = CONVERGED if vouches(state, LANES, j, last2) else NOT_CONVERGED
+
+
+@kernel
+def solve_loads(con, coefficients, lam_max, loads, last2, state, pose, status):
+    """Solve load cases on one mechanism, LANES at a time.
+
+    coefficients, lam_max : see `start.guess`, used where both tendon forces are at most `lam_max`; else, and for
+        lam_max = 0 always, the beam starts straight
+    loads : (n, N_LOADS), last2 : largest squared last step
+    state : (LANES * state_size,)   work space
     pose : (n, 3), status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
     """
     n = loads.shape[0]
     for first in range(0, n, LANES):
         for j in range(LANES):
-            start_lane(con, loads[min(first + j, n - 1)], state, j)
+            put_load(state, LANES, j, loads[min(first + j, n - 1)])
+        if lam_max > 0.0:
+            guess(coefficients, lam_max, state, LANES, LANES, ORDER)
+        for j in range(LANES):
+            # not the opposite comparison: a force that is not a number starts straight
+            if not (state[LANES * R_LAM_L + j] <= lam_max and state[LANES * R_LAM_R + j] <= lam_max):
+                straighten(con, 1, 0, state, LANES, j, ORDER)
         for _ in range(MAX_STEPS):
             sweep(con, state)
-            if largest_step(state) < TOLERANCE2:
+            if settled(state, last2):
                 break
-        for j in range(min(LANES, n - first)):
-            i = first + j
-            pose[i, 0], pose[i, 1], pose[i, 2] = state[R_X + j], state[R_Z + j], state[R_THETA + j]
-            status[i] = CONVERGED if vouches(state, j) else NOT_CONVERGED
+        _collect(state, last2, pose[first : first + LANES], status[first : first + LANES])
 
 
 @kernel
-def advance(con, state, lam_l, lam_r):
-    """Follow one load case, lane 0, to new tendon forces; starts again from the straight beam where that fails.
+def solve_mechanisms(par, mesh, nodes, turn, slopes, stretch, loads, last2, system, con, lanes, state, pose, status):
+    """Solve cases that each have a mechanism of their own, from the straight beam, LANES at a time.
 
-    Returns x, z, theta, status; see `condensed`.
+    par : (n, n_parameters), loads : (n, N_LOADS)
+    mesh, nodes, turn, slopes, stretch : see `prepare` and `condensed.condense`
+    system : work arrays of one thread: stations, tip, q_rest; con : (constants_size,), lanes : LANES times that
+    the rest as in `solve_loads`
     """
+    n = loads.shape[0]
+    stations, tip, q_rest = system
+    for first in range(0, n, LANES):
+        for j in range(LANES):
+            i = min(first + j, n - 1)
+            prepare(par[i], mesh, nodes, stations, tip, q_rest)
+            applies = condense(stations, tip, q_rest, turn, slopes, stretch, con)
+            for k in range(con.shape[0]):
+                lanes[LANES * k + j] = con[k]
+            put_load(state, LANES, j, loads[i])
+            straighten(lanes, LANES, j, state, LANES, j, ORDER)
+            if not applies:
+                state[LANES * R_EXTREME + j] = 2.0
+        for _ in range(MAX_STEPS):
+            sweep_mechanisms(lanes, state)
+            if settled(state, last2):
+                break
+        _collect(state, last2, pose[first : first + LANES], status[first : first + LANES])
+
+
+@step_kernel
+def _iterate(con, state, last2, keep):
+    for _ in range(MAX_STEPS):
+        step(con, state, keep)
+        if vouches(state, 1, 0, last2):
+            return True
+    return False
+
+
+@step_kernel
+def _follow(con, coefficients, settings, state, before, lam_l, lam_r):
+    last2, keep, lam_max = settings[0], settings[1] > 0.0, settings[2]
+    if lam_max == 0.0 and vouches(state, 1, 0, last2):
+        extrapolate(state, before, lam_l, lam_r, ORDER)
+        if _iterate(con, state, last2, keep):
+            return True
     state[R_LAM_L], state[R_LAM_R] = lam_l, lam_r
+    if lam_l <= lam_max and lam_r <= lam_max and lam_max > 0.0:
+        guess(coefficients, lam_max, state, 1, 1, ORDER)
+    else:
+        straighten(con, 1, 0, state, 1, 0, ORDER)
+    found = _iterate(con, state, last2, keep)
+    remember(state, before, ORDER)
+    return found
+
+
+@kernel
+def advance(address, lam_l, lam_r):
+    """Take a control step: to new tendon forces, from where the memory at `address` stands; see `stepper`.
+
+    Returns x, z, theta, status.
+    """
+    memory = array_at(address, 977)
+    settings = memory[0:3]
+    con = memory[3:88]
+    state = memory[88:175]
+    before = memory[175:186]
+    columns = memory[186:192]
+    jacobian = memory[192:198].reshape((3, 2))
+    compliance = memory[198:207].reshape((3, 3))
+    coefficients = memory[207:342].reshape((9, 15))
+    loads = memory[342:348]
+    tables = memory[348:408].reshape((3, 4, 5))
+    stations = memory[408:448].reshape((4, 10))
+    tip = memory[448:464]
+    q_rest = memory[464:479]
+    q = memory[479:494]
+    out = memory[494:506]
+    work = memory[506:977]
     if not (0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf):
         return np.nan, np.nan, np.nan, INVALID_INPUT
-    warm = vouches(state, 0)
-    for attempt in range(2):
-        if attempt == 0 and not warm:
-            continue
-        if attempt == 1:
-            restart_lane(con, state, 0)
-        state[R_SIZE], state[R_PIVOT], state[R_EXTREME] = np.inf, np.inf, 0.0
-        for _ in range(MAX_STEPS):
-            step(con, state, 0)
-            if not state[R_SIZE] > TOLERANCE2:
-                break
-        if vouches(state, 0):
-            return state[R_X], state[R_Z], state[R_THETA], CONVERGED
-    return np.nan, np.nan, np.nan, NOT_CONVERGED
+    if _follow(con, coefficients, settings, state, before, lam_l, lam_r):
+        if settings[1] > 0.0:
+            tip_columns(con, state, columns)
+            unfold(state, columns, compliance, jacobian)
+        return state[R_X], state[R_Z], state[R_THETA], CONVERGED
+    return rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, lam_l, lam_r)
