@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 
 from .discretization import Discretization
 from .kernels import condensed, start, stepper
-from .kernels.layout import CONVERGED, L_FX, L_GRAVITY, LANES, N_LOADS, N_STATION, N_TIP, R_FX, R_FZ, R_TAU
+from .kernels.layout import CONVERGED, L_FX, L_GRAVITY, LANES, N_STATION, N_TIP, NOT_CONVERGED, R_FX, R_FZ, R_TAU
 
-__all__ = ["Condensation", "Guess", "solve_mechanisms"]
+__all__ = ["Columns", "Condensation", "Guess", "columns", "solve_mechanisms"]
 
 Array = NDArray[np.float64]
 Step = Callable[[float, float], tuple[float, float, float, int]]
 ORDERS = (3, 4, 5, 6)
+Columns = tuple[Array, Array, Array, NDArray[np.int64]]
+"""x, z, theta, status of many cases."""
 Guess = tuple[Array, float]
 """Coefficients of `kernels.start.guess`, and up to which tendon force they hold."""
 # a fit that is farther off than this, in rad and lengths, is a poor place to start from
@@ -45,19 +47,18 @@ class Condensation:
         applies = condensed.condense(stations, tip, q_rest, mesh.turn, mesh.slopes, _STRETCH, con)
         return cls(mesh, con) if applies and np.isfinite(con).all() else None
 
-    def solve(
-        self, loads: Array, last2: float, pose: Array, status: NDArray[np.int64], guess: Guess | None = None
-    ) -> Array:
-        """Solve rows of loads (n, N_LOADS) into pose (n, 3) and status (n,), see `kernels.condensed4.solve_loads`.
+    def solve(self, lam: Array, wrench: Array, last2: float, out: Columns, guess: Guess | None = None) -> Array:
+        """Solve tendon forces (n, 2) under dead wrenches (n, 3) or (1, 3), see `kernels.condensed4.solve_loads`.
 
         last2 : largest squared last step of Newton's method
+        out : x, z, theta, status, each (n,), overwritten
         guess : what `fit_guess` returned for loads with this wrench; none: the beam starts straight
 
         Returns the state of the last lanes.
         """
         coefficients, lam_max = self._straight if guess is None else guess
         state = np.zeros(LANES * condensed.state_size(self.mesh.order))
-        self._kernels.solve_loads(self.con, coefficients, lam_max, loads, last2, state, pose, status)
+        self._kernels.solve_loads(self.con, coefficients, lam_max, lam, wrench, last2, state, *out)
         return state
 
     def fit_guess(self, lam_max: float, wrench: Array) -> Guess | None:
@@ -68,11 +69,10 @@ class Condensation:
         side = 8
         u = np.cos(np.pi * (np.arange(side) + 0.5) / side)
         u, v = (grid.ravel() for grid in np.meshgrid(u, u))
-        loads = np.ones((LANES, N_LOADS))
-        loads[:, 0], loads[:, 1], loads[:, 2:5] = 0.5 * lam_max * (1.0 + u), 0.5 * lam_max * (1.0 + v), wrench
-        pose, status = np.empty((LANES, 3)), np.empty(LANES, dtype=np.int64)
-        state = self.solve(loads, 1e-12, pose, status).reshape(-1, LANES)
-        if (status != CONVERGED).any():
+        lam = 0.5 * lam_max * (1.0 + np.stack([u, v], axis=1))
+        out = columns(LANES)
+        state = self.solve(lam, wrench[None], 1e-13, out).reshape(-1, LANES)
+        if (out[3] != CONVERGED).any():
             return None
         rows, basis = state[start.unknowns(self.mesh.order)].T, start.monomials(u, v)
         coefficients = np.linalg.lstsq(basis, rows, rcond=None)[0]
@@ -130,30 +130,21 @@ def compiled_step(order: int) -> Any:
     return advance
 
 
-def solve_mechanisms(
-    mesh: Discretization, par: Array, loads: Array, last2: float, pose: Array, status: NDArray[np.int64]
-) -> None:
+def columns(n: int) -> Columns:
+    """Return room for x, z, theta and status of n cases, none of them solved."""
+    return np.empty(n), np.empty(n), np.empty(n), np.full(n, NOT_CONVERGED, dtype=np.int64)
+
+
+def solve_mechanisms(mesh: Discretization, par: Array, lam: Array, wrench: Array, last2: float, out: Columns) -> None:
     """Solve cases that each have a parameter vector, (n, n_parameters), where the mesh permits it.
 
-    See `kernels.condensed4.solve_mechanisms`.
+    See `Condensation.solve` and `kernels.condensed4.solve_mechanisms`.
     """
     if not permits(mesh):
         return
     order = mesh.order
-    con = np.empty(condensed.constants_size(order))
-    kernels_of(mesh).solve_mechanisms(
-        par,
-        mesh.mesh,
-        mesh.nodes,
-        mesh.turn,
-        mesh.slopes,
-        _STRETCH,
-        loads,
-        last2,
-        (np.empty((order, N_STATION)), np.empty(N_TIP), np.empty(3 * (order + 1))),
-        con,
-        np.empty(LANES * con.size),
-        np.zeros(LANES * condensed.state_size(order)),
-        pose,
-        status,
-    )
+    con, state = np.empty(condensed.constants_size(order)), np.zeros(LANES * condensed.state_size(order))
+    system = np.empty((order, N_STATION)), np.empty(N_TIP), np.empty(3 * (order + 1))
+    constants = mesh.mesh, mesh.nodes, mesh.turn, mesh.slopes, _STRETCH
+    lanes = np.empty(LANES * con.size)
+    kernels_of(mesh).solve_mechanisms(par, *constants, lam, wrench, last2, system, con, lanes, state, *out)

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .condensation import Condensation, Guess, solve_mechanisms
+from .condensation import Columns, Condensation, columns, solve_mechanisms
 from .discretization import Discretization
 from .equilibrium import BatchResult, Equilibrium, Status
 from .errors import InputError, shown
@@ -30,7 +30,6 @@ from .kernels.sensitivity import tip_derivatives
 from .mechanism import Mechanism
 from .parameters import PARAMETERS, pack
 from .stepping import Step, robust_stepper
-
 
 __all__ = ["FiniteElementModel"]
 
@@ -107,19 +106,19 @@ class FiniteElementModel:
         ------
         InputError : a shape is wrong, or a number is not finite or negative where it may not be.
         """
-        loads = _loads(_numbers("tendon forces", lam)[None], _numbers("wrench", wrench)[None])
-        bad = ~np.isfinite(loads[0])
+        loads = _one_load(lam, wrench)
+        bad = ~np.isfinite(loads)
         if bad.any():
-            name = ("lam_l", "lam_r", "fx", "fz", "tau", "gravity")[int(np.argmax(bad))]
-            raise InputError(f"{name} = {loads[0][bad][0]}: allowed is a finite number")
+            name = ("lam_l", "lam_r", "fx", "fz", "tau")[int(np.argmax(bad))]
+            raise InputError(f"{name} = {loads[bad][0]}: allowed is a finite number")
         stations, tip, q_rest, q, work = self._system
         tables, out = self.discretization.tables, np.empty(N_OUT)
-        status = Status(solve(tables, stations, tip, q_rest, loads[0], q, work, out))
+        status = Status(solve(tables, stations, tip, q_rest, loads, q, work, out))
         compliance, jacobian = np.full((3, 3), np.nan), np.full((3, 2), np.nan)
         if status.converged:
             n = q.size
             rest, step = work[2 * n + N_LOADS :], work[:n]
-            tip_derivatives(tables, stations, tip, loads[0], q, rest, step, compliance, jacobian)
+            tip_derivatives(tables, stations, tip, loads, q, rest, step, compliance, jacobian)
         else:
             out[[O_X, O_Z, O_THETA]] = np.nan
         return Equilibrium(
@@ -141,7 +140,7 @@ class FiniteElementModel:
         wrench: ArrayLike | None = None,
         *,
         parameters: ArrayLike | None = None,
-        tolerance: float = 1e-10,
+        tolerance: float = 1e-9,
         threads: int = 1,
     ) -> BatchResult:
         """Solve many cases, each as `solve` does; a case that fails has its status and a pose of nan.
@@ -158,45 +157,45 @@ class FiniteElementModel:
         ------
         InputError : a shape is wrong, or a tendon force is negative; names the row.
         """
-        loads = _many_loads(lam, wrench)
-        par = self._par[None] if parameters is None else _numbers("parameters", parameters)
-        n = len(loads)
-        if parameters is not None:
-            _check_parameters(par, n)
-        accept = _tolerance(tolerance)
-        pose, factor, status = np.empty((n, 3)), np.ones(n), np.full(n, Status.NOT_CONVERGED, dtype=np.int64)
-        mesh = self.discretization
-        guess = self._guess(loads) if parameters is None and n >= WORTH_A_GUESS else None
+        tensions, dead = _many_loads(lam, wrench)
+        n, mesh, last2 = len(tensions), self.discretization, _last_step(tolerance)
+        par = self._par[None] if parameters is None else _parameters(parameters, n)
+        out, factor = columns(n), np.ones(n)
+        fast = self._condensed if parameters is None else None
+        guess = fast.fit_guess(tensions.max(), dead[0]) if fast and len(dead) == 1 and n >= WORTH_A_GUESS else None
 
         def part(rows: slice) -> None:
+            own = tuple(column[rows] for column in out)
+            loads = tensions[rows], dead if len(dead) == 1 else dead[rows]
             if parameters is not None:
-                solve_mechanisms(mesh, par[rows], loads[rows], accept, pose[rows], status[rows])
-            elif self._condensed is not None:
-                self._condensed.solve(loads[rows], accept, pose[rows], status[rows], guess)
-            todo = np.arange(n)[rows][status[rows] != Status.CONVERGED]
-            if todo.size:
-                own = par if parameters is None else par[todo]
-                out, verdict = np.empty((todo.size, N_OUT)), np.empty(todo.size, dtype=np.int64)
-                solve_many(mesh.tables, mesh.mesh, mesh.nodes, own, loads[todo], _work_arrays(mesh), out, verdict)
-                pose[todo], factor[todo], status[todo] = out[:, [O_X, O_Z, O_THETA]], out[:, O_FACTOR], verdict
+                solve_mechanisms(mesh, par[rows], *loads, last2, own)
+            elif fast is not None:
+                fast.solve(*loads, last2, own, guess)
+            self._finish(rows, tensions, dead, par, out, factor)
 
         _in_threads(part, n, threads)
-        pose[status > Status.UNSTABLE] = np.nan
-        x, z, theta = np.ascontiguousarray(pose.T)
-        return BatchResult(x, z, theta, status, factor)
+        for column in out[:3]:
+            column[out[3] > Status.UNSTABLE] = np.nan
+        return BatchResult(*out, factor)
 
-    def _guess(self, loads: Array) -> Guess | None:
-        """Return polynomials for where to start, where many loads share a wrench and stay in the working range."""
-        largest = loads[:, :L_FX].max()
-        if self._condensed is None or not 0.0 < largest < np.inf or (loads[:, L_FX:] != loads[0, L_FX:]).any():
-            return None
-        return self._condensed.fit_guess(largest, loads[0, L_FX:L_GRAVITY])
+    def _finish(self, rows: slice, tensions: Array, dead: Array, par: Array, out: Columns, factor: Array) -> None:
+        """Solve with the robust solver what the fast path did not."""
+        todo = rows.start + np.flatnonzero(out[3][rows] != Status.CONVERGED)
+        if todo.size:
+            mesh, loads = self.discretization, np.ones((todo.size, N_LOADS))
+            loads[:, :L_FX], loads[:, L_FX:L_GRAVITY] = tensions[todo], dead if len(dead) == 1 else dead[todo]
+            result, verdict = np.empty((todo.size, N_OUT)), np.empty(todo.size, dtype=np.int64)
+            own = par if len(par) == 1 else par[todo]
+            solve_many(mesh.tables, mesh.mesh, mesh.nodes, own, loads, _work_arrays(mesh), result, verdict)
+            for column, place in zip(out, (O_X, O_Z, O_THETA), strict=False):
+                column[todo] = result[:, place]
+            out[3][todo], factor[todo] = verdict, result[:, O_FACTOR]
 
     def stepper(
         self,
         wrench: ArrayLike = (0.0, 0.0, 0.0),
         *,
-        tolerance: float = 1e-10,
+        tolerance: float = 1e-9,
         derivatives: bool = False,
         lam_max: float = 0.0,
     ) -> Step:
@@ -215,11 +214,10 @@ class FiniteElementModel:
         lam_max : above 0, a call depends on nothing but its arguments: within ``[0, lam_max]`` N it starts from a
             polynomial fitted now, and takes one or two Newton steps whatever the call before was
         """
-        loads = _loads(np.zeros((1, 2)), _numbers("wrench", wrench)[None])[0]
-        accept = _tolerance(tolerance)
+        loads, last2 = _one_load(np.zeros(2), wrench), _last_step(tolerance)
         stations, tip, q_rest, _, _ = self._system
         if self._condensed is not None:
-            return self._condensed.stepper((stations, tip, q_rest), loads, accept, derivatives, lam_max)
+            return self._condensed.stepper((stations, tip, q_rest), loads, last2, derivatives, lam_max)
         return robust_stepper(self.discretization, (stations, tip, q_rest), loads)
 
     def __repr__(self) -> str:
@@ -248,8 +246,9 @@ def _in_threads(part: Callable[[slice], None], n: int, threads: int) -> None:
         list(pool.map(part, chunks))
 
 
-def _check_parameters(par: Array, n: int) -> None:
-    """Raise where parameter vectors (n, n_parameters) cannot be meant; names the row and the parameter."""
+def _parameters(values: ArrayLike, n: int) -> Array:
+    """Return parameter vectors (n, n_parameters), or raise where they cannot be meant; names row and parameter."""
+    par = _numbers("parameters", values)
     if par.shape != (n, len(PARAMETERS)):
         raise InputError(f"parameters has shape {par.shape}: allowed is ({n}, {len(PARAMETERS)})")
     lower, upper = (np.array([getattr(entry, bound) for entry in PARAMETERS]) for bound in ("lower", "upper"))
@@ -258,22 +257,14 @@ def _check_parameters(par: Array, n: int) -> None:
         row, place = np.argwhere(outside)[0]
         entry = PARAMETERS[place]
         raise InputError(f"row {row} of parameters: {entry.key} = {par[row, place]}: allowed is {entry.allowed}")
+    return par
 
 
-def _tolerance(value: float) -> float:
-    """Return the largest squared last step that leaves an error of at most `value`."""
-    if not MIN_TOLERANCE <= value <= 1e-3:
-        raise InputError(f"tolerance = {shown(value)}: allowed is a number from {MIN_TOLERANCE:g} to 1e-3")
-    return value / QUADRATIC
-
-
-def _many_loads(lam: ArrayLike, wrench: ArrayLike | None) -> Array:
-    """Return the load rows of many cases."""
-    tensions = _numbers("tendon forces", lam)
-    dead = np.zeros(3) if wrench is None else _numbers("wrenches", wrench)
-    if dead.shape == (3,):
-        dead = np.broadcast_to(dead, (len(tensions), 3))
-    return _loads(tensions, dead)
+def _last_step(tolerance: float) -> float:
+    """Return the largest squared last step that leaves an error of at most `tolerance`."""
+    if not MIN_TOLERANCE <= tolerance <= 1e-3:
+        raise InputError(f"tolerance = {shown(tolerance)}: allowed is a number from {MIN_TOLERANCE:g} to 1e-3")
+    return tolerance / QUADRATIC
 
 
 def _numbers(name: str, values: ArrayLike) -> Array:
@@ -284,16 +275,21 @@ def _numbers(name: str, values: ArrayLike) -> Array:
         raise InputError(f"{name} = {shown(values)}: allowed is an array of numbers") from None
 
 
-def _loads(lam: Array, wrench: Array) -> Array:
-    """Return the kernels' load rows, (n, N_LOADS), or raise where they cannot be meant."""
-    if lam.ndim != 2 or lam.shape[1] != 2:
-        raise InputError(f"tendon forces have shape {lam.shape}: allowed is two, left and right, a case")
-    if wrench.shape != (len(lam), 3):
-        raise InputError(f"wrenches have shape {wrench.shape}: allowed is ({len(lam)}, 3): fx, fz, tau a case")
-    negative = lam < 0.0
-    if negative.any():
-        row, side = np.argwhere(negative)[0]
-        raise InputError(f"lam_{'lr'[side]} = {lam[row, side]} N in row {row}: allowed is >= 0, a tendon only pulls")
-    loads = np.empty((len(lam), N_LOADS))
-    loads[:, :L_FX], loads[:, L_FX:L_GRAVITY], loads[:, L_GRAVITY] = lam, wrench, 1.0
-    return loads
+def _many_loads(lam: ArrayLike, wrench: ArrayLike | None) -> tuple[Array, Array]:
+    """Return tendon forces (n, 2) and dead wrenches (n, 3) or, where all are the same, (1, 3); or raise."""
+    tensions = _numbers("tendon forces", lam)
+    dead = np.zeros(3) if wrench is None else _numbers("wrenches", wrench)
+    if tensions.ndim != 2 or tensions.shape[1] != 2:
+        raise InputError(f"tendon forces have shape {tensions.shape}: allowed is two, left and right, a case")
+    if dead.shape not in {(3,), (len(tensions), 3)}:
+        raise InputError(f"wrenches have shape {dead.shape}: allowed is ({len(tensions)}, 3): fx, fz, tau a case")
+    if tensions.min(initial=0.0) < 0.0:
+        row, side = np.argwhere(tensions < 0.0)[0]
+        raise InputError(f"lam_{'lr'[side]} = {tensions[row, side]} N in row {row}: allowed is >= 0, a tendon only pulls")
+    return tensions, np.atleast_2d(dead)
+
+
+def _one_load(lam: ArrayLike, wrench: ArrayLike) -> Array:
+    """Return the kernels' loads of one case, (N_LOADS,), or raise where they cannot be meant."""
+    tensions, dead = _many_loads(_numbers("tendon forces", lam)[None], _numbers("wrench", wrench)[None])
+    return np.concatenate([tensions[0], dead[0], [1.0]])

@@ -84,27 +84,27 @@ def sweep_mechanisms(con, state):
 
 
 @kernel
-def _collect(state, last2, pose, status):
-    for j in range(pose.shape[0]):
-        pose[j, 0], pose[j, 1] = state[LANES * R_X + j], state[LANES * R_Z + j]
-        pose[j, 2] = state[LANES * R_THETA + j]
+def _collect(state, last2, x, z, theta, status):
+    for j in range(x.shape[0]):
+        x[j], z[j], theta[j] = state[LANES * R_X + j], state[LANES * R_Z + j], state[LANES * R_THETA + j]
         status[j] = CONVERGED if vouches(state, LANES, j, last2) else NOT_CONVERGED
 
 
 @kernel
-def solve_loads(con, coefficients, lam_max, loads, last2, state, pose, status):
-    """Solve load cases on one mechanism, LANES at a time.
+def solve_loads(con, coefficients, lam_max, lam, wrench, last2, state, x, z, theta, status):
+    \"\"\"Solve load cases on one mechanism, LANES at a time.
 
     coefficients, lam_max : see `start.guess`, used where both tendon forces are at most `lam_max`; else, and for
         lam_max = 0 always, the beam starts straight
-    loads : (n, N_LOADS), last2 : largest squared last step
+    lam : (n, 2), wrench : (n, 3) or (1, 3), last2 : largest squared last step
     state : (LANES * state_size,)   work space
-    pose : (n, 3), status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
-    """
-    n = loads.shape[0]
+    x, z, theta, status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
+    \"\"\"
+    n, last_wrench = lam.shape[0], wrench.shape[0] - 1
     for first in range(0, n, LANES):
         for j in range(LANES):
-            put_load(state, LANES, j, loads[min(first + j, n - 1)])
+            i = min(first + j, n - 1)
+            put_load(state, LANES, j, lam[i], wrench[min(i, last_wrench)])
         if lam_max > 0.0:
             guess(coefficients, lam_max, state, LANES, LANES, ORDER)
         for j in range(LANES):
@@ -115,19 +115,22 @@ def solve_loads(con, coefficients, lam_max, loads, last2, state, pose, status):
             sweep(con, state)
             if settled(state, last2):
                 break
-        _collect(state, last2, pose[first : first + LANES], status[first : first + LANES])
+        end = min(first + LANES, n)
+        _collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
 
 
 @kernel
-def solve_mechanisms(par, mesh, nodes, turn, slopes, stretch, loads, last2, system, con, lanes, state, pose, status):
-    """Solve cases that each have a mechanism of their own, from the straight beam, LANES at a time.
+def solve_mechanisms(
+    par, mesh, nodes, turn, slopes, stretch, lam, wrench, last2, system, con, lanes, state, x, z, theta, status
+):
+    \"\"\"Solve cases that each have a mechanism of their own, from the straight beam, LANES at a time.
 
-    par : (n, n_parameters), loads : (n, N_LOADS)
+    par : (n, n_parameters)
     mesh, nodes, turn, slopes, stretch : see `prepare` and `condensed.condense`
     system : work arrays of one thread: stations, tip, q_rest; con : (constants_size,), lanes : LANES times that
     the rest as in `solve_loads`
-    """
-    n = loads.shape[0]
+    \"\"\"
+    n, last_wrench = lam.shape[0], wrench.shape[0] - 1
     stations, tip, q_rest = system
     for first in range(0, n, LANES):
         for j in range(LANES):
@@ -136,7 +139,7 @@ def solve_mechanisms(par, mesh, nodes, turn, slopes, stretch, loads, last2, syst
             applies = condense(stations, tip, q_rest, turn, slopes, stretch, con)
             for k in range(con.shape[0]):
                 lanes[LANES * k + j] = con[k]
-            put_load(state, LANES, j, loads[i])
+            put_load(state, LANES, j, lam[i], wrench[min(i, last_wrench)])
             straighten(lanes, LANES, j, state, LANES, j, ORDER)
             if not applies:
                 state[LANES * R_EXTREME + j] = 2.0
@@ -144,7 +147,8 @@ def solve_mechanisms(par, mesh, nodes, turn, slopes, stretch, loads, last2, syst
             sweep_mechanisms(lanes, state)
             if settled(state, last2):
                 break
-        _collect(state, last2, pose[first : first + LANES], status[first : first + LANES])
+        end = min(first + LANES, n)
+        _collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
 
 
 @step_kernel

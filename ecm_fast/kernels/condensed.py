@@ -33,11 +33,6 @@ from .layout import (
     C_STRETCH,
     C_THETA0,
     C_TIP,
-    L_FX,
-    L_FZ,
-    L_LAM_L,
-    L_LAM_R,
-    L_TAU,
     LANES,
     N_KEPT,
     N_POINT,
@@ -175,10 +170,10 @@ def condense(stations, tip, q_rest, turn, slopes, stretch, con):
 
 
 @step_kernel
-def put_load(state, sr, j, loads):
-    """Put loads (N_LOADS,) on lane `j`; the share of gravity is taken as 1."""
-    state[sr * R_LAM_L + j], state[sr * R_LAM_R + j] = loads[L_LAM_L], loads[L_LAM_R]
-    state[sr * R_FX + j], state[sr * R_FZ + j], state[sr * R_TAU + j] = loads[L_FX], loads[L_FZ], loads[L_TAU]
+def put_load(state, sr, j, lam, wrench):
+    """Put tendon forces (2,) and a dead wrench (3,) on lane `j`."""
+    state[sr * R_LAM_L + j], state[sr * R_LAM_R + j] = lam[0], lam[1]
+    state[sr * R_FX + j], state[sr * R_FZ + j], state[sr * R_TAU + j] = wrench[0], wrench[1], wrench[2]
 
 
 @step_kernel

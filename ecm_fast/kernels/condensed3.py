@@ -248,27 +248,27 @@ def sweep_mechanisms(con, state):
 
 
 @kernel
-def _collect(state, last2, pose, status):
-    for j in range(pose.shape[0]):
-        pose[j, 0], pose[j, 1] = state[LANES * R_X + j], state[LANES * R_Z + j]
-        pose[j, 2] = state[LANES * R_THETA + j]
+def _collect(state, last2, x, z, theta, status):
+    for j in range(x.shape[0]):
+        x[j], z[j], theta[j] = state[LANES * R_X + j], state[LANES * R_Z + j], state[LANES * R_THETA + j]
         status[j] = CONVERGED if vouches(state, LANES, j, last2) else NOT_CONVERGED
 
 
 @kernel
-def solve_loads(con, coefficients, lam_max, loads, last2, state, pose, status):
+def solve_loads(con, coefficients, lam_max, lam, wrench, last2, state, x, z, theta, status):
     """Solve load cases on one mechanism, LANES at a time.
 
     coefficients, lam_max : see `start.guess`, used where both tendon forces are at most `lam_max`; else, and for
         lam_max = 0 always, the beam starts straight
-    loads : (n, N_LOADS), last2 : largest squared last step
+    lam : (n, 2), wrench : (n, 3) or (1, 3), last2 : largest squared last step
     state : (LANES * state_size,)   work space
-    pose : (n, 3), status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
+    x, z, theta, status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
     """
-    n = loads.shape[0]
+    n, last_wrench = lam.shape[0], wrench.shape[0] - 1
     for first in range(0, n, LANES):
         for j in range(LANES):
-            put_load(state, LANES, j, loads[min(first + j, n - 1)])
+            i = min(first + j, n - 1)
+            put_load(state, LANES, j, lam[i], wrench[min(i, last_wrench)])
         if lam_max > 0.0:
             guess(coefficients, lam_max, state, LANES, LANES, ORDER)
         for j in range(LANES):
@@ -279,19 +279,22 @@ def solve_loads(con, coefficients, lam_max, loads, last2, state, pose, status):
             sweep(con, state)
             if settled(state, last2):
                 break
-        _collect(state, last2, pose[first : first + LANES], status[first : first + LANES])
+        end = min(first + LANES, n)
+        _collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
 
 
 @kernel
-def solve_mechanisms(par, mesh, nodes, turn, slopes, stretch, loads, last2, system, con, lanes, state, pose, status):
+def solve_mechanisms(
+    par, mesh, nodes, turn, slopes, stretch, lam, wrench, last2, system, con, lanes, state, x, z, theta, status
+):
     """Solve cases that each have a mechanism of their own, from the straight beam, LANES at a time.
 
-    par : (n, n_parameters), loads : (n, N_LOADS)
+    par : (n, n_parameters)
     mesh, nodes, turn, slopes, stretch : see `prepare` and `condensed.condense`
     system : work arrays of one thread: stations, tip, q_rest; con : (constants_size,), lanes : LANES times that
     the rest as in `solve_loads`
     """
-    n = loads.shape[0]
+    n, last_wrench = lam.shape[0], wrench.shape[0] - 1
     stations, tip, q_rest = system
     for first in range(0, n, LANES):
         for j in range(LANES):
@@ -300,7 +303,7 @@ def solve_mechanisms(par, mesh, nodes, turn, slopes, stretch, loads, last2, syst
             applies = condense(stations, tip, q_rest, turn, slopes, stretch, con)
             for k in range(con.shape[0]):
                 lanes[LANES * k + j] = con[k]
-            put_load(state, LANES, j, loads[i])
+            put_load(state, LANES, j, lam[i], wrench[min(i, last_wrench)])
             straighten(lanes, LANES, j, state, LANES, j, ORDER)
             if not applies:
                 state[LANES * R_EXTREME + j] = 2.0
@@ -308,7 +311,8 @@ def solve_mechanisms(par, mesh, nodes, turn, slopes, stretch, loads, last2, syst
             sweep_mechanisms(lanes, state)
             if settled(state, last2):
                 break
-        _collect(state, last2, pose[first : first + LANES], status[first : first + LANES])
+        end = min(first + LANES, n)
+        _collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
 
 
 @step_kernel
@@ -343,7 +347,7 @@ def advance(address, lam_l, lam_r):
 
     Returns x, z, theta, status.
     """
-    memory = array_at(address, 730)
+    memory = array_at(address, 778)
     settings = memory[0:3]
     con = memory[3:76]
     state = memory[76:149]
@@ -351,15 +355,15 @@ def advance(address, lam_l, lam_r):
     columns = memory[159:165]
     jacobian = memory[165:171].reshape((3, 2))
     compliance = memory[171:180].reshape((3, 3))
-    coefficients = memory[180:300].reshape((8, 15))
-    loads = memory[300:306]
-    tables = memory[306:342].reshape((3, 3, 4))
-    stations = memory[342:372].reshape((3, 10))
-    tip = memory[372:388]
-    q_rest = memory[388:400]
-    q = memory[400:412]
-    out = memory[412:424]
-    work = memory[424:730]
+    coefficients = memory[180:348].reshape((8, 21))
+    loads = memory[348:354]
+    tables = memory[354:390].reshape((3, 3, 4))
+    stations = memory[390:420].reshape((3, 10))
+    tip = memory[420:436]
+    q_rest = memory[436:448]
+    q = memory[448:460]
+    out = memory[460:472]
+    work = memory[472:778]
     if not (0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf):
         return np.nan, np.nan, np.nan, INVALID_INPUT
     if _follow(con, coefficients, settings, state, before, lam_l, lam_r):

@@ -346,27 +346,27 @@ def sweep_mechanisms(con, state):
 
 
 @kernel
-def _collect(state, last2, pose, status):
-    for j in range(pose.shape[0]):
-        pose[j, 0], pose[j, 1] = state[LANES * R_X + j], state[LANES * R_Z + j]
-        pose[j, 2] = state[LANES * R_THETA + j]
+def _collect(state, last2, x, z, theta, status):
+    for j in range(x.shape[0]):
+        x[j], z[j], theta[j] = state[LANES * R_X + j], state[LANES * R_Z + j], state[LANES * R_THETA + j]
         status[j] = CONVERGED if vouches(state, LANES, j, last2) else NOT_CONVERGED
 
 
 @kernel
-def solve_loads(con, coefficients, lam_max, loads, last2, state, pose, status):
+def solve_loads(con, coefficients, lam_max, lam, wrench, last2, state, x, z, theta, status):
     """Solve load cases on one mechanism, LANES at a time.
 
     coefficients, lam_max : see `start.guess`, used where both tendon forces are at most `lam_max`; else, and for
         lam_max = 0 always, the beam starts straight
-    loads : (n, N_LOADS), last2 : largest squared last step
+    lam : (n, 2), wrench : (n, 3) or (1, 3), last2 : largest squared last step
     state : (LANES * state_size,)   work space
-    pose : (n, 3), status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
+    x, z, theta, status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
     """
-    n = loads.shape[0]
+    n, last_wrench = lam.shape[0], wrench.shape[0] - 1
     for first in range(0, n, LANES):
         for j in range(LANES):
-            put_load(state, LANES, j, loads[min(first + j, n - 1)])
+            i = min(first + j, n - 1)
+            put_load(state, LANES, j, lam[i], wrench[min(i, last_wrench)])
         if lam_max > 0.0:
             guess(coefficients, lam_max, state, LANES, LANES, ORDER)
         for j in range(LANES):
@@ -377,19 +377,22 @@ def solve_loads(con, coefficients, lam_max, loads, last2, state, pose, status):
             sweep(con, state)
             if settled(state, last2):
                 break
-        _collect(state, last2, pose[first : first + LANES], status[first : first + LANES])
+        end = min(first + LANES, n)
+        _collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
 
 
 @kernel
-def solve_mechanisms(par, mesh, nodes, turn, slopes, stretch, loads, last2, system, con, lanes, state, pose, status):
+def solve_mechanisms(
+    par, mesh, nodes, turn, slopes, stretch, lam, wrench, last2, system, con, lanes, state, x, z, theta, status
+):
     """Solve cases that each have a mechanism of their own, from the straight beam, LANES at a time.
 
-    par : (n, n_parameters), loads : (n, N_LOADS)
+    par : (n, n_parameters)
     mesh, nodes, turn, slopes, stretch : see `prepare` and `condensed.condense`
     system : work arrays of one thread: stations, tip, q_rest; con : (constants_size,), lanes : LANES times that
     the rest as in `solve_loads`
     """
-    n = loads.shape[0]
+    n, last_wrench = lam.shape[0], wrench.shape[0] - 1
     stations, tip, q_rest = system
     for first in range(0, n, LANES):
         for j in range(LANES):
@@ -398,7 +401,7 @@ def solve_mechanisms(par, mesh, nodes, turn, slopes, stretch, loads, last2, syst
             applies = condense(stations, tip, q_rest, turn, slopes, stretch, con)
             for k in range(con.shape[0]):
                 lanes[LANES * k + j] = con[k]
-            put_load(state, LANES, j, loads[i])
+            put_load(state, LANES, j, lam[i], wrench[min(i, last_wrench)])
             straighten(lanes, LANES, j, state, LANES, j, ORDER)
             if not applies:
                 state[LANES * R_EXTREME + j] = 2.0
@@ -406,7 +409,8 @@ def solve_mechanisms(par, mesh, nodes, turn, slopes, stretch, loads, last2, syst
             sweep_mechanisms(lanes, state)
             if settled(state, last2):
                 break
-        _collect(state, last2, pose[first : first + LANES], status[first : first + LANES])
+        end = min(first + LANES, n)
+        _collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
 
 
 @step_kernel
@@ -441,7 +445,7 @@ def advance(address, lam_l, lam_r):
 
     Returns x, z, theta, status.
     """
-    memory = array_at(address, 1268)
+    memory = array_at(address, 1328)
     settings = memory[0:3]
     con = memory[3:101]
     state = memory[101:203]
@@ -449,15 +453,15 @@ def advance(address, lam_l, lam_r):
     columns = memory[215:221]
     jacobian = memory[221:227].reshape((3, 2))
     compliance = memory[227:236].reshape((3, 3))
-    coefficients = memory[236:386].reshape((10, 15))
-    loads = memory[386:392]
-    tables = memory[392:482].reshape((3, 5, 6))
-    stations = memory[482:532].reshape((5, 10))
-    tip = memory[532:548]
-    q_rest = memory[548:566]
-    q = memory[566:584]
-    out = memory[584:596]
-    work = memory[596:1268]
+    coefficients = memory[236:446].reshape((10, 21))
+    loads = memory[446:452]
+    tables = memory[452:542].reshape((3, 5, 6))
+    stations = memory[542:592].reshape((5, 10))
+    tip = memory[592:608]
+    q_rest = memory[608:626]
+    q = memory[626:644]
+    out = memory[644:656]
+    work = memory[656:1328]
     if not (0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf):
         return np.nan, np.nan, np.nan, INVALID_INPUT
     if _follow(con, coefficients, settings, state, before, lam_l, lam_r):

@@ -2,21 +2,21 @@
 
 import numpy as np
 
-from ._jit import step_kernel
+from ._jit import step_kernel, wide
 from .condensed import unjudged
-from .layout import N_SECTION, P_THETA, R_LAM_L, R_LAM_R, R_POINT, R_THETA, R_X
+from .layout import N_SECTION, P_THETA, R_LAM_L, R_LAM_R, R_POINT, R_X
 
 __all__ = ["ANGLES", "N_GUESS", "extrapolate", "guess", "monomials", "remember", "unknowns"]
 
-# coefficients of a polynomial of degree 4 in two variables
-N_GUESS = 15
+# coefficients of a polynomial of degree 5 in two variables
+N_GUESS = 21
 # unknowns: tip position (2), tip force (2), then angles
 ANGLES = 4
 
 
 @step_kernel
 def _unknown(i):
-    """Return where unknown `i` stands in the state: tip position and force, tip angle, then the Gauss points' angles."""
+    """Place of unknown `i` in the state: tip position and force, tip angle, then the points' angles."""
     return R_X + i if i < 5 else R_POINT + N_SECTION * (i - 5) + P_THETA
 
 
@@ -25,18 +25,9 @@ def unknowns(order: int) -> list[int]:
     return [_unknown.py_func(i) for i in range(5 + order)]
 
 
-@step_kernel
-def _row(a, u, v):
-    """Polynomial of degree 4 in u and v, by Horner's rule in both."""
-    v0 = a[0] + v * (a[1] + v * (a[2] + v * (a[3] + v * a[4])))
-    v1 = a[5] + v * (a[6] + v * (a[7] + v * a[8]))
-    v2 = a[9] + v * (a[10] + v * a[11])
-    return v0 + u * (v1 + u * (v2 + u * (a[12] + v * a[13] + u * a[14])))
-
-
 def monomials(u, v):
     """Return the monomials of `guess`, (n, N_GUESS), at scaled tendon forces (n,)."""
-    return np.stack([u**i * v**k for i in range(5) for k in range(5 - i)], axis=1)
+    return np.stack([u**i * v**k for i in range(6) for k in range(6 - i)], axis=1)
 
 
 @step_kernel
@@ -45,12 +36,25 @@ def guess(coefficients, lam_max, state, sr, n_lanes, order):
 
     coefficients : (5 + order, N_GUESS)   fitted over [0, lam_max]^2, scaled to [-1, 1]^2
     """
+    wide()
     scale = 2.0 / lam_max
+    lam_l = state[sr * R_LAM_L : sr * R_LAM_L + n_lanes]
+    lam_r = state[sr * R_LAM_R : sr * R_LAM_R + n_lanes]
     for i in range(5 + order):
-        a, place = coefficients[i], sr * _unknown(i)
+        # slices, for indices that the compiler knows to be positive; names of their own, because it cannot know that
+        # no store into the state changes a coefficient
+        place = sr * _unknown(i)
+        a, row = coefficients[i], state[place : place + n_lanes]
+        a00, a01, a02, a03, a04, a05 = a[0], a[1], a[2], a[3], a[4], a[5]
+        a10, a11, a12, a13, a14 = a[6], a[7], a[8], a[9], a[10]
+        a20, a21, a22, a23, a30, a31, a32 = a[11], a[12], a[13], a[14], a[15], a[16], a[17]
+        a40, a41, a50 = a[18], a[19], a[20]
         for j in range(n_lanes):
-            u, v = scale * state[sr * R_LAM_L + j] - 1.0, scale * state[sr * R_LAM_R + j] - 1.0
-            state[place + j] = _row(a, u, v)
+            u, v = scale * lam_l[j] - 1.0, scale * lam_r[j] - 1.0
+            b0 = a00 + v * (a01 + v * (a02 + v * (a03 + v * (a04 + v * a05))))
+            b1 = a10 + v * (a11 + v * (a12 + v * (a13 + v * a14)))
+            b2, b3 = a20 + v * (a21 + v * (a22 + v * a23)), a30 + v * (a31 + v * a32)
+            row[j] = b0 + u * (b1 + u * (b2 + u * (b3 + u * (a40 + v * a41 + u * a50))))
     for j in range(n_lanes):
         unjudged(state, sr, j)
 
