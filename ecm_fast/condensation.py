@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from .discretization import Discretization
 from .kernels import condensed, start, stepper
 from .kernels.layout import CONVERGED, L_FX, L_GRAVITY, LANES, N_STATION, N_TIP, NOT_CONVERGED, R_FX, R_FZ, R_TAU
+from .kernels.stretch import stretch_polynomials
 
-__all__ = ["Columns", "Condensation", "Guess", "columns", "solve_mechanisms"]
+__all__ = ["Columns", "Condensation", "Guess", "columns", "solve_mechanisms", "solve_nodes"]
 
 Array = NDArray[np.float64]
 Step = Callable[[float, float], tuple[float, float, float, int]]
@@ -23,7 +24,7 @@ Guess = tuple[Array, float]
 """Coefficients of `kernels.start.guess`, and up to which tendon force they hold."""
 # a fit that is farther off than this, in rad and lengths, is a poor place to start from
 POOR = 0.02
-_STRETCH = condensed.stretch_polynomials()
+_STRETCH = stretch_polynomials()
 
 
 class Condensation:
@@ -148,3 +149,19 @@ def solve_mechanisms(mesh: Discretization, par: Array, lam: Array, wrench: Array
     constants = mesh.mesh, mesh.nodes, mesh.turn, mesh.slopes, _STRETCH
     lanes = np.empty(LANES * con.size)
     kernels_of(mesh).solve_mechanisms(par, *constants, lam, wrench, last2, system, con, lanes, state, *out)
+
+
+def solve_nodes(
+    mesh: Discretization, par: Array, lam: Array, wrench: Array, last2: float, q: Array, status: NDArray[np.int64]
+) -> None:
+    """Solve cases into all their nodes, where the mesh permits it; see `kernels.condensed4.solve_nodes`.
+
+    par : (1 or n, n_parameters), lam : (n, 2), wrench : (1 or n, 3), q : (n, 3 n_nodes), status : (n,)
+    """
+    if not permits(mesh):
+        return
+    order = mesh.order
+    con, state = np.empty(condensed.constants_size(order)), np.zeros(condensed.state_size(order))
+    system = np.empty((order, N_STATION)), np.empty(N_TIP), np.empty(3 * (order + 1))
+    constants = mesh.mesh, mesh.nodes, mesh.turn, mesh.slopes, _STRETCH, mesh.tables
+    kernels_of(mesh).solve_nodes(par, *constants, lam, wrench, last2, system, con, state, q, status)

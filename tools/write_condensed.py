@@ -25,7 +25,7 @@ Written by `tools/write_condensed.py`; the formulation is explained in `condense
 import numpy as np
 
 from ._jit import array_at, kernel, step_kernel, wide
-from .condensed import MAX_STEPS, condense, judge, put_load, settled, straighten, vouches
+from .condensed import MAX_STEPS, condense, judge, nodes_of, put_load, settled, straighten, vouches
 from .condensed_laws import plate, section
 from .layout import (
     CONVERGED,
@@ -43,7 +43,7 @@ from .prepare import prepare
 from .start import extrapolate, guess, remember
 from .stepper import rescue, unfold
 
-__all__ = ["ORDER", "advance", "solve_loads", "solve_mechanisms", "step", "sweep", "sweep_mechanisms", "tip_columns"]
+__all__ = ["advance", "solve_loads", "solve_mechanisms", "solve_nodes", "sweep", "sweep_mechanisms"]
 
 ORDER = {p}
 '''
@@ -158,6 +158,28 @@ def _iterate(con, state, last2, keep):
         if vouches(state, 1, 0, last2):
             return True
     return False
+
+
+@kernel
+def solve_nodes(par, mesh, nodes, turn, slopes, stretch, tables, lam, wrench, last2, system, con, state, q, status):
+    """Solve cases one after the other, each from the straight beam, into their nodes.
+
+    par : (1 or n, n_parameters)   one mechanism for all, or one for each
+    tables : (3, p, p + 1); the other arguments as in `solve_mechanisms`, of one lane
+    q : (n, 3 n_nodes), status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
+    """
+    n, last_wrench = lam.shape[0], wrench.shape[0] - 1
+    stations, tip, q_rest = system
+    applies = False
+    for i in range(n):
+        if i < par.shape[0]:
+            prepare(par[i], mesh, nodes, stations, tip, q_rest)
+            applies = condense(stations, tip, q_rest, turn, slopes, stretch, con)
+        put_load(state, 1, 0, lam[i], wrench[min(i, last_wrench)])
+        straighten(con, 1, 0, state, 1, 0, ORDER)
+        found = _iterate(con, state, last2, False) and applies
+        status[i] = CONVERGED if found else NOT_CONVERGED
+        nodes_of(con, state, tables, slopes, ORDER, q[i])
 
 
 @step_kernel
@@ -285,9 +307,12 @@ class Writer:
             self.set(f"t{g}", self.station(g, 7))
         for name in ("xx", "xz", "zz", "xt", "zt", "tt"):
             self.set(f"h_{name}", row(name.upper()))
-        self.lines += TIP.format(X=row("X"), Z=row("Z"), tau=row("WTAU"), **{
-            name: row(key) for name, key in (("wx", "WX"), ("wz", "WZ"), ("fx", "FORCE_X"), ("fz", "FORCE_Z"))
-        }).splitlines()
+        self.lines += TIP.format(
+            X=row("X"),
+            Z=row("Z"),
+            tau=row("WTAU"),
+            **{name: row(key) for name, key in (("wx", "WX"), ("wz", "WZ"), ("fx", "FORCE_X"), ("fz", "FORCE_Z"))},
+        ).splitlines()
         for h in self.points:
             bending = dot([self.stiffness(h, k) for k in self.points], self.names("o"))
             inner = f"{bending} - {self.station(h, 6)} + {self.point(h, 'COUPLE')}"
@@ -370,7 +395,9 @@ class Writer:
 
     def columns(self) -> None:
         """Write the derivatives of the tip pose by a wrench at Q."""
-        meaning = "Compliance at Q, lower triangle xx, zx, zz, tx, tz, tt, from the factor that a step with `keep` left."
+        meaning = (
+            "Compliance at Q, lower triangle xx, zx, zz, tx, tz, tt, from the factor that a step with `keep` left."
+        )
         self.function("tip_columns", "con, state, compliance", meaning)
         self.lines.append("    cr, cl, sr, j = 1, 0, 1, 0")
         for stem, name in (("X", "BX"), ("Z", "BZ")):
@@ -412,7 +439,8 @@ class Writer:
         body = "\n".join(self.lines) + "\n"
         pieces = stepper.pieces(self.p)
         cuts = "\n".join(
-            f"    {name} = memory[{first}:{first + math.prod(shape)}]" + (f".reshape({shape})" if len(shape) > 1 else "")
+            f"    {name} = memory[{first}:{first + math.prod(shape)}]"
+            + (f".reshape({shape})" if len(shape) > 1 else "")
             for name, (first, shape) in pieces.items()
         )
         footer = FOOTER.format(sections=sections, loops=loops, pieces=cuts, total=stepper.memory_size(self.p))

@@ -8,7 +8,7 @@ __all__ = ["solve_many"]
 
 
 @kernel
-def solve_many(basis, mesh, nodes, par, loads, system, out, status):
+def solve_many(basis, mesh, nodes, par, loads, system, out, status, all_q):
     """Solve case after case, each from the unloaded state.
 
     basis, mesh, nodes : the discretization, see `Discretization`
@@ -16,9 +16,12 @@ def solve_many(basis, mesh, nodes, par, loads, system, out, status):
     loads : (n, N_LOADS)
     system : work arrays of one thread: stations, tip, q_rest, q, work
     out : (n, N_OUT), status : (n,)   overwritten
+    all_q : (n, 3 n_nodes)   overwritten with the nodes; or (0, 3 n_nodes) where they are not wanted
     """
     stations, tip, q_rest, q, work = system
     for i in range(loads.shape[0]):
         if i < par.shape[0]:
             prepare(par[i], mesh, nodes, stations, tip, q_rest)
         status[i] = solve(basis, stations, tip, q_rest, loads[i], q, work, out[i])
+        if i < all_q.shape[0]:
+            all_q[i] = q

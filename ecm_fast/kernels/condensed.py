@@ -37,8 +37,6 @@ from .layout import (
     N_KEPT,
     N_POINT,
     N_SECTION,
-    N_SLOPE,
-    N_STRETCH,
     N_TIP,
     P_THETA,
     R_EXTREME,
@@ -69,25 +67,22 @@ from .layout import (
     T_WEIGHT_X,
     T_WEIGHT_Z,
 )
+from .stretch import HALF, SHIFT, stretch_at
 from .trig import sincos
 
 __all__ = [
     "condense",
     "constants_size",
     "judge",
+    "nodes_of",
     "put_load",
     "settled",
     "state_size",
     "straighten",
-    "stretch_polynomials",
     "unjudged",
     "vouches",
 ]
 
-# N/EA over which the polynomials for the stretch hold: from 9 % shortening to 4 % stretch
-LOWEST, HIGHEST = -0.10, 0.04
-_HALF = 0.5 * (HIGHEST - LOWEST)
-_SHIFT = -0.5 * (HIGHEST + LOWEST) / _HALF
 # squares, in rad and shares of the length: of a step that is rounding, of the largest first one, and of the ratio of
 # two successive ones
 ROUNDING2, LARGEST2, SHRINK2 = 1e-18, 1.0, 0.25
@@ -106,24 +101,6 @@ def state_size(order: int) -> int:
     return R_POINT + N_SECTION * order + order * (order + 1) // 2 + N_KEPT
 
 
-def stretch_polynomials() -> np.ndarray:
-    """Return the inverse axial law, one row for each law: stretch by scaled axial force, then its slope by N/EA.
-
-    Shape (2, N_STRETCH + N_SLOPE): the neo-Hookean law's, then Hooke's. Interpolated at Chebyshev points.
-    """
-    u = np.cos(np.pi * (np.arange(N_STRETCH) + 0.5) / N_STRETCH)
-    share = _HALF * (u - _SHIFT)
-    stretch = np.ones(N_STRETCH)
-    for _ in range(50):  # Newton's method for the law (19): share = (stretch - stretch^-2) / 3
-        stretch -= (stretch**3 - 3.0 * share * stretch**2 - 1.0) / (3.0 * stretch**2 - 6.0 * share * stretch)
-    slope = 3.0 * stretch**3 / (stretch**3 + 2.0)
-    to_stretch = np.linalg.inv(np.vander(u, increasing=True))
-    to_slope = np.linalg.pinv(np.vander(u, N_SLOPE, increasing=True))
-    hooke = np.zeros(N_STRETCH + N_SLOPE)
-    hooke[0], hooke[1], hooke[N_STRETCH] = 1.0 - _HALF * _SHIFT, _HALF, 1.0
-    return np.stack([np.concatenate([to_stretch @ stretch, to_slope @ slope]), hooke])
-
-
 @kernel
 def condense(stations, tip, q_rest, turn, slopes, stretch, con):
     """Constants of the condensed formulation, from those of the finite element model.
@@ -131,7 +108,7 @@ def condense(stations, tip, q_rest, turn, slopes, stretch, con):
     stations : (p, N_STATION), tip : (N_TIP,), q_rest : (3 n_nodes,)   see `prepare`
     turn : (p, p)     integrals of the curvature's shape functions up to each Gauss point, for length 1 [-]
     slopes : (p, p)   its inverse: curvature at each Gauss point by the angles there
-    stretch : see `stretch_polynomials`
+    stretch : see `stretch.stretch_polynomials`
     con : (constants_size(p),)   overwritten
 
     Returns whether the formulation applies: the section's laws are uncoupled and the axial one is the same along
@@ -140,7 +117,7 @@ def condense(stations, tip, q_rest, turn, slopes, stretch, con):
     p = stations.shape[0]
     length, theta0 = tip[T_LENGTH], q_rest[2]
     con[:N_TIP] = tip
-    con[C_THETA0], con[C_INV_LENGTH2], con[C_SHIFT] = theta0, 1.0 / (length * length), _SHIFT
+    con[C_THETA0], con[C_INV_LENGTH2], con[C_SHIFT] = theta0, 1.0 / (length * length), SHIFT
     con[C_INV_FORCE2] = (FORCE_SHARE / tip[T_BENDING_FORCE]) ** 2
     con[C_STRETCH:C_STATION] = stretch[1 if stations[0, S_HOOKE] > 0.5 else 0]
     con[C_STATION:] = 0.0
@@ -150,7 +127,7 @@ def condense(stations, tip, q_rest, turn, slopes, stretch, con):
         row, w = stations[g], stations[g, S_WEIGHT]
         applies = applies and row[S_OFFSET] == 0.0 and row[S_HOOKE] == stations[0, S_HOOKE]
         point = con[C_STATION + N_POINT * g : C_STATION + N_POINT * (g + 1)]
-        point[0], point[1], point[2], point[5] = w, 1.0 / (row[S_EA] * _HALF), 1.0 / row[S_EA], 1.0 / row[S_GA]
+        point[0], point[1], point[2], point[5] = w, 1.0 / (row[S_EA] * HALF), 1.0 / row[S_EA], 1.0 / row[S_GA]
         for k in range(p):
             other = stations[k]
             share = other[S_WEIGHT] * turn[k, g] * length / w
@@ -234,3 +211,28 @@ def settled(state, last2):
         size = state[LANES * R_SIZE + j] if state[LANES * R_EXTREME + j] <= 1.0 else 0.0
         largest = size if size > largest else largest
     return largest <= last2
+
+
+@kernel
+def nodes_of(con, state, tables, slopes, order, q):
+    """Positions and angles of the nodes, (3 n_nodes,), of the one load case that `state` holds.
+
+    tables : (3, p, p + 1), of which the last integrates from the clamp to the nodes, see `Discretization.tables`
+    """
+    length, theta0 = con[T_LENGTH], con[C_THETA0]
+    for a in range(order + 1):
+        q[3 * a], q[3 * a + 1], q[3 * a + 2] = 0.0, 0.0, theta0
+    for g in range(order):
+        i, r = C_STATION + N_POINT * g, R_POINT + N_SECTION * g
+        s, c = sincos(state[r + P_THETA])
+        n_x, n_z = state[R_FORCE_X] + con[i + 3], state[R_FORCE_Z] + con[i + 4]
+        stretch, _ = stretch_at(con, 1, 0, (n_x * c - n_z * s) * con[i + 1] + con[C_SHIFT])
+        shear = (n_x * s + n_z * c) * con[i + 5]
+        kappa = 0.0
+        for h in range(order):
+            kappa += slopes[g, h] * (state[R_POINT + N_SECTION * h + P_THETA] - theta0) / length
+        for a in range(order + 1):
+            lift = length * tables[2, g, a]
+            q[3 * a] += lift * (stretch * c + shear * s)
+            q[3 * a + 1] += lift * (shear * c - stretch * s)
+            q[3 * a + 2] += lift * kappa

@@ -6,7 +6,7 @@ Written by `tools/write_condensed.py`; the formulation is explained in `condense
 import numpy as np
 
 from ._jit import array_at, kernel, step_kernel, wide
-from .condensed import MAX_STEPS, condense, judge, put_load, settled, straighten, vouches
+from .condensed import MAX_STEPS, condense, judge, nodes_of, put_load, settled, straighten, vouches
 from .condensed_laws import plate, section
 from .layout import (
     CONVERGED,
@@ -24,7 +24,7 @@ from .prepare import prepare
 from .start import extrapolate, guess, remember
 from .stepper import rescue, unfold
 
-__all__ = ["ORDER", "advance", "solve_loads", "solve_mechanisms", "step", "sweep", "sweep_mechanisms", "tip_columns"]
+__all__ = ["advance", "solve_loads", "solve_mechanisms", "solve_nodes", "sweep", "sweep_mechanisms"]
 
 ORDER = 3
 
@@ -322,6 +322,28 @@ def _iterate(con, state, last2, keep):
         if vouches(state, 1, 0, last2):
             return True
     return False
+
+
+@kernel
+def solve_nodes(par, mesh, nodes, turn, slopes, stretch, tables, lam, wrench, last2, system, con, state, q, status):
+    """Solve cases one after the other, each from the straight beam, into their nodes.
+
+    par : (1 or n, n_parameters)   one mechanism for all, or one for each
+    tables : (3, p, p + 1); the other arguments as in `solve_mechanisms`, of one lane
+    q : (n, 3 n_nodes), status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
+    """
+    n, last_wrench = lam.shape[0], wrench.shape[0] - 1
+    stations, tip, q_rest = system
+    applies = False
+    for i in range(n):
+        if i < par.shape[0]:
+            prepare(par[i], mesh, nodes, stations, tip, q_rest)
+            applies = condense(stations, tip, q_rest, turn, slopes, stretch, con)
+        put_load(state, 1, 0, lam[i], wrench[min(i, last_wrench)])
+        straighten(con, 1, 0, state, 1, 0, ORDER)
+        found = _iterate(con, state, last2, False) and applies
+        status[i] = CONVERGED if found else NOT_CONVERGED
+        nodes_of(con, state, tables, slopes, ORDER, q[i])
 
 
 @step_kernel

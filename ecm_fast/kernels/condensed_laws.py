@@ -9,9 +9,7 @@ import numpy as np
 from ._jit import step_kernel
 from .layout import (
     C_SHIFT,
-    C_SLOPE,
     C_STATION,
-    C_STRETCH,
     N_POINT,
     N_SECTION,
     P_BX,
@@ -65,26 +63,12 @@ from .layout import (
     T_WEIGHT_X,
     T_WEIGHT_Z,
 )
+from .stretch import stretch_at
 from .trig import NEAR, sincos_near
 
 __all__ = ["plate", "section"]
 
 _PER_NEAR2 = 1.0 / NEAR**2
-
-
-@step_kernel
-def _stretch(con, cr, cl, u):
-    """Stretch and its slope at the scaled axial force `u`: two polynomials, each as two short Horner chains."""
-    a, b = cr * C_STRETCH + cl, cr * C_SLOPE + cl
-    v = u * u
-    even = con[a + cr * 8] + v * (con[a + cr * 10] + v * con[a + cr * 12])
-    even = con[a] + v * (con[a + cr * 2] + v * (con[a + cr * 4] + v * (con[a + cr * 6] + v * even)))
-    odd = con[a + cr * 5] + v * (con[a + cr * 7] + v * (con[a + cr * 9] + v * con[a + cr * 11]))
-    odd = con[a + cr] + v * (con[a + cr * 3] + v * odd)
-    slope_even = con[b + cr * 4] + v * (con[b + cr * 6] + v * con[b + cr * 8])
-    slope_even = con[b] + v * (con[b + cr * 2] + v * slope_even)
-    slope_odd = con[b + cr] + v * (con[b + cr * 3] + v * (con[b + cr * 5] + v * con[b + cr * 7]))
-    return even + u * odd, slope_even + u * slope_odd
 
 
 @step_kernel
@@ -97,7 +81,7 @@ def section(con, cr, cl, state, sr, j, g):
     n_x, n_z = state[sr * R_FORCE_X + j] + con[i + cr * 3], state[sr * R_FORCE_Z + j] + con[i + cr * 4]
     N, Q = n_x * c - n_z * s, n_x * s + n_z * c
     u = N * con[i + cr] + con[cr * C_SHIFT + cl]
-    stretch, slope = _stretch(con, cr, cl, u)
+    stretch, slope = stretch_at(con, cr, cl, u)
     by_N, by_Q = con[i + cr * 2] * slope, con[i + cr * 5]
     shear = Q * by_Q
     across, along = stretch - N * by_Q, Q * by_N - shear
@@ -124,7 +108,7 @@ def _tendon(lever_x, lever_z, v_x, v_z, reach):
     lever_x, lever_z : from Q to the attachment, v_x, v_z : from there to the pulley's center [m]
     reach : radius of the pulley, less than zero for the left tendon [m]
 
-    Returns e_x, e_z, moment about Q, 1/free length, and how the attachment moves across the tendon when the plate turns.
+    Returns e_x, e_z, moment about Q, 1/free length, and how far the attachment moves across the tendon by turn.
     """
     square = v_x * v_x + v_z * v_z
     free = np.sqrt(square - reach * reach)
@@ -142,7 +126,8 @@ def plate(con, cr, cl, state, sr, j):
     e = sr * R_EXTREME + j
     turned, extreme = theta * theta * _PER_NEAR2, state[e]
     state[e] = turned if turned > extreme else extreme
-    com_x, com_z, w_x, w_z = con[cr * T_COM_X + cl], con[cr * T_COM_Z + cl], con[cr * T_WEIGHT_X + cl], con[cr * T_WEIGHT_Z + cl]
+    com_x, com_z = con[cr * T_COM_X + cl], con[cr * T_COM_Z + cl]
+    w_x, w_z = con[cr * T_WEIGHT_X + cl], con[cr * T_WEIGHT_Z + cl]
     r_x, r_z = com_x * c + com_z * s, com_z * c - com_x * s
     a_x, a_z = con[cr * T_ATTACH_LX + cl], con[cr * T_ATTACH_LZ + cl]
     l_x, l_z = a_x * c + a_z * s, a_z * c - a_x * s

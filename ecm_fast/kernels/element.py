@@ -1,11 +1,46 @@
 """One Lagrange element of any order: its internal force less its dead load, and its tangent."""
 
-from ._jit import kernel
+from ._jit import kernel, step_kernel
 from .layout import S_GA, S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
 from .section import section_law
 from .trig import sincos
 
-__all__ = ["element"]
+__all__ = ["element", "element_residual"]
+
+
+@step_kernel
+def _section_at(basis, station, g, q):
+    """Angle's sine and cosine, strains and section law at Gauss point `g`; arguments as in `element`."""
+    dx, dz, theta, dtheta = q[0] * 0.0, q[0] * 0.0, q[0] * 0.0, q[0] * 0.0  # real or complex, as q is
+    for a in range(basis.shape[2]):
+        dx += basis[1, g, a] * q[3 * a]
+        dz += basis[1, g, a] * q[3 * a + 1]
+        theta += basis[0, g, a] * q[3 * a + 2]
+        dtheta += basis[1, g, a] * q[3 * a + 2]
+    inv_h = station[S_INV_H]
+    s, c = sincos(theta)
+    gamma_x, gamma_z, kappa = inv_h * (dx * c - dz * s), inv_h * (dx * s + dz * c), inv_h * dtheta
+    return s, c, gamma_x, gamma_z, kappa, section_law(station, gamma_x, gamma_z, kappa)
+
+
+@kernel
+def element_residual(basis, stations, gravity, q, res):
+    """Add one element's residual, [E1] of `reference.element`; real, or complex for the complex step.
+
+    Arguments as in `element`.
+    """
+    for g in range(basis.shape[1]):
+        station = stations[g]
+        s, c, gamma_x, gamma_z, _, (N, Q, M, _, _, _) = _section_at(basis, station, g, q)
+        w, inv_h = station[S_WEIGHT], station[S_INV_H]
+        n_x, n_z = w * inv_h * (N * c + Q * s), w * inv_h * (Q * c - N * s)
+        couple, M = w * (Q * gamma_x - N * gamma_z), w * inv_h * M
+        load_x, load_z = w * gravity * station[S_LOAD_X], w * gravity * station[S_LOAD_Z]
+        for a in range(basis.shape[2]):
+            n, d = basis[0, g, a], basis[1, g, a]
+            res[3 * a] += d * n_x - n * load_x
+            res[3 * a + 1] += d * n_z - n * load_z
+            res[3 * a + 2] += n * couple + d * M
 
 
 @kernel
@@ -22,16 +57,8 @@ def element(basis, stations, gravity, q, res, K):
     n_a = basis.shape[2]
     for g in range(basis.shape[1]):
         station = stations[g]
-        dx, dz, theta, dtheta = 0.0, 0.0, 0.0, 0.0
-        for a in range(n_a):
-            dx += basis[1, g, a] * q[3 * a]
-            dz += basis[1, g, a] * q[3 * a + 1]
-            theta += basis[0, g, a] * q[3 * a + 2]
-            dtheta += basis[1, g, a] * q[3 * a + 2]
+        s, c, gamma_x, gamma_z, _, (N, Q, M, N_g, N_k, M_k) = _section_at(basis, station, g, q)
         inv_h, w = station[S_INV_H], station[S_WEIGHT]
-        s, c = sincos(theta)
-        gamma_x, gamma_z = inv_h * (dx * c - dz * s), inv_h * (dx * s + dz * c)
-        N, Q, M, N_g, N_k, M_k = section_law(station, gamma_x, gamma_z, inv_h * dtheta)
 
         n_x, n_z = N * c + Q * s, Q * c - N * s
         res_theta = w * (Q * gamma_x - N * gamma_z)

@@ -10,7 +10,7 @@ from .element import element
 from .layout import L_GRAVITY
 from .tip import tip_wrench
 
-__all__ = ["eliminate", "newton_step", "solve_spd3", "work_size"]
+__all__ = ["back_substitute", "band_of", "eliminate", "newton_step", "solve_spd3", "work_size"]
 
 
 def work_size(n_elements: int, order: int) -> int:
@@ -66,7 +66,7 @@ def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
     n_gauss, m = basis.shape[1], 3 * basis.shape[2]
     width = m - 3  # unknowns that one element completes
     front, res = work[: m * m].reshape(m, m), work[m * m : m * m + m]
-    band = work[m * m + m : m * m + m + (q.shape[0] - 3) * m].reshape(-1, m)
+    band = band_of(work, m, q.shape[0])
 
     K_tip[:] = 0.0  # carries what earlier elements leave at the node they share with the next
     res[width:] = 0.0
@@ -90,8 +90,14 @@ def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
     for i in range(6):
         K_tip[i] += front[0, i]
     not_positive += solve_spd3(K_tip, last)
-    _back_substitute(band, width, step)
+    back_substitute(band, width, step)
     return not_positive, free_length
+
+
+@kernel
+def band_of(work, m, n):
+    """Return the factor that `newton_step` leaves in its work space: (n - 3, m), m an element's unknowns, n all."""
+    return work[m * m + m : m * m + m + (n - 3) * m].reshape(-1, m)
 
 
 @kernel
@@ -139,7 +145,7 @@ def solve_spd3(lower, rhs):
 
 
 @kernel
-def _back_substitute(band, width, step):
+def back_substitute(band, width, step):
     """Turn D^-1 L^-1 res into Newton's step: L^T step = -(what the elimination left), the clamp held."""
     n = step.shape[0]
     m = band.shape[1]

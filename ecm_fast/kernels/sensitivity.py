@@ -1,11 +1,27 @@
-"""Derivatives of the tip pose by the loads, from the factor that Newton's step leaves."""
+"""Derivatives of the tip pose by loads and parameters, from the factor that Newton's step leaves.
+
+Implicit function theorem: at an equilibrium K dq = -dR, so the tip pose's derivative is -W . dR with W = K^-1 of the
+three tip rows: what all nodes do under a unit wrench at Q. W costs no solve, only a back-substitution. How the
+residual R depends on a parameter is not written down: the same residual, compiled for complex numbers, gives it by
+the complex step, exact to rounding. Only the section's three stiffnesses are written out, as virtual work, because
+every fit needs them.
+"""
+
+import numpy as np
 
 from ._jit import kernel
-from .front import newton_step, solve_spd3
-from .tip import tendon_directions
+from .element import element_residual
+from .front import back_substitute, band_of, newton_step, solve_spd3
+from .layout import L_GRAVITY, S_EA, S_INV_H, S_KAPPA0, S_OFFSET, S_WEIGHT, UNSTABLE
+from .prepare import prepare
+from .section import section_law
+from .tip import tendon_directions, tip_wrench
 from .trig import sincos
 
-__all__ = ["tip_derivatives"]
+__all__ = ["pose_sensitivities", "prepare_complex", "tip_derivatives"]
+
+# of the complex step: no difference is taken, so it only has to be far below rounding
+STEP = 1e-100
 
 
 @kernel
@@ -16,7 +32,6 @@ def tip_derivatives(basis, stations, tip, loads, q, work, step, compliance, jaco
     compliance : (3, 3)   overwritten: d(x, z, theta)/d(fx, fz, tau) [m/N, rad/N, ...]
     jacobian : (3, 2)     overwritten: d(x, z, theta)/d(lam_l, lam_r) = compliance P, P the coupling matrix (40)
 
-    Implicit function theorem: K dq = d(loads), and the stiffness seen at the tip is all of K that the tip needs.
     Returns the number of pivots that are not positive.
     """
     K = jacobian.reshape(6)  # its six places are free until the end
@@ -33,3 +48,123 @@ def tip_derivatives(basis, stations, tip, loads, q, work, step, compliance, jaco
         jacobian[i, 0] = compliance[i, 0] * e_lx + compliance[i, 1] * e_lz + compliance[i, 2] * tau_l
         jacobian[i, 1] = compliance[i, 0] * e_rx + compliance[i, 1] * e_rz + compliance[i, 2] * tau_r
     return not_positive
+
+
+@kernel
+def _unit_responses(work, m, compliance, W):
+    """Displacements of all nodes under a unit fx, fz, tau at Q, (3, n), after `tip_derivatives`."""
+    n = W.shape[1]
+    band = band_of(work, m, n)
+    for i in range(3):
+        W[i] = 0.0
+        for k in range(3):
+            W[i, n - 3 + k] = -compliance[i, k]
+        back_substitute(band, m - 3, W[i])
+
+
+@kernel
+def _by_stiffness(basis, stations, q, W, by_EA, by_GA, by_EI):
+    """Pose by EA, GA and EI, (3,) each: minus the virtual work of what a stiffness of 1 adds to the contact force."""
+    n_gauss, m = basis.shape[1], 3 * basis.shape[2]
+    by_EA[:], by_GA[:], by_EI[:] = 0.0, 0.0, 0.0
+    for i in range(stations.shape[0]):
+        station, g = stations[i], i % n_gauss
+        first = (m - 3) * (i // n_gauss)
+        own, w, inv_h = q[first : first + m], station[S_WEIGHT], station[S_INV_H]
+        dx, dz, theta, dtheta = 0.0, 0.0, 0.0, 0.0
+        for a in range(m // 3):
+            dx += basis[1, g, a] * own[3 * a]
+            dz += basis[1, g, a] * own[3 * a + 1]
+            theta += basis[0, g, a] * own[3 * a + 2]
+            dtheta += basis[1, g, a] * own[3 * a + 2]
+        s, c = sincos(theta)
+        gamma_x, gamma_z, kappa = inv_h * (dx * c - dz * s), inv_h * (dx * s + dz * c), inv_h * dtheta
+        N, _, _, _, _, _ = section_law(station, gamma_x, gamma_z, kappa)
+        for k in range(3):
+            d_x, d_z, turn, bend = 0.0, 0.0, 0.0, 0.0
+            for a in range(m // 3):
+                d_x += basis[1, g, a] * W[k, first + 3 * a]
+                d_z += basis[1, g, a] * W[k, first + 3 * a + 1]
+                turn += basis[0, g, a] * W[k, first + 3 * a + 2]
+                bend += inv_h * basis[1, g, a] * W[k, first + 3 * a + 2]
+            d_gamma_x = inv_h * (d_x * c - d_z * s) - gamma_z * turn
+            d_gamma_z = inv_h * (d_x * s + d_z * c) + gamma_x * turn
+            by_EA[k] -= w * N / station[S_EA] * (d_gamma_x + station[S_OFFSET] * bend)
+            by_GA[k] -= w * gamma_z * d_gamma_z
+            by_EI[k] -= w * (kappa - station[S_KAPPA0]) * bend
+
+
+@kernel
+def prepare_complex(par, which, mesh, nodes, stations, tip, q_rest):
+    """Constants of a solve with an imaginary step in one parameter after the other.
+
+    par : (n_parameters,) complex, its imaginary parts zero; which : (k,) places in it
+    stations : (k, n_stations, N_STATION), tip : (k, N_TIP), q_rest : (k, 3 n_nodes)   complex, overwritten
+    """
+    for i in range(which.shape[0]):
+        value = par[which[i]]
+        par[which[i]] = complex(value.real, STEP)
+        prepare(par, mesh, nodes, stations[i], tip[i], q_rest[i])
+        par[which[i]] = value
+
+
+@kernel
+def _residual_change(basis, stations, tip, q_rest, loads, q, q_complex, res, K):
+    """Derivative of the residual by the parameter in which `prepare_complex` stepped, into res.imag / STEP."""
+    n_gauss, m = basis.shape[1], 3 * basis.shape[2]
+    n = q.shape[0]
+    for i in range(n):
+        q_complex[i] = q[i]
+        res[i] = 0.0
+    for i in range(3):  # the clamped node goes where the parameter puts it
+        q_complex[i] = complex(q[i], q_rest[i].imag)
+    for e in range(stations.shape[0] // n_gauss):
+        first = e * (m - 3)
+        own = stations[e * n_gauss : (e + 1) * n_gauss]
+        element_residual(basis, own, loads[L_GRAVITY], q_complex[first : first + m], res[first : first + m])
+    wrench = K[6:9]
+    tip_wrench(tip, loads, q_complex[n - 3], q_complex[n - 2], q_complex[n - 1], wrench, K)
+    for i in range(3):
+        res[n - 3 + i] -= wrench[i]
+
+
+@kernel
+def pose_sensitivities(
+    basis, mesh, nodes, par, stiffness, which, loads, q, status, system, complex_system, pose, jacobian, compliance, by
+):
+    """Derivatives of many tip poses by tendon forces, wrench and parameters.
+
+    basis, mesh, nodes : the discretization; par : (1 or n, n_parameters)
+    stiffness : (3,)   columns of `by` for EA, GA, EI, or -1
+    which : (k,)       places in the vector of the others, whose derivatives fill the first columns of `by`
+    loads : (n, N_LOADS), q : (n, 3 n_nodes), status : (n,)   equilibria; where there is none, nan is left
+    system : work arrays stations, tip, q_rest, work, step, W, and a spare (3, 3)
+    complex_system : work arrays par, stations, tip, q_rest, q, res, K, see `prepare_complex`
+    pose : (n, 3), jacobian : (n, 3, 2), compliance : (n, 3, 3), by : (n, 3, n_names)   overwritten
+    """
+    stations, tip, q_rest, work, step, W, spare = system
+    c_par, c_stations, c_tip, c_q_rest, c_q, c_res, c_K = complex_system
+    m = 3 * basis.shape[2]
+    for i in range(loads.shape[0]):
+        if i < par.shape[0]:
+            prepare(par[i], mesh, nodes, stations, tip, q_rest)
+            c_par[:] = par[i]
+            prepare_complex(c_par, which, mesh, nodes, c_stations, c_tip, c_q_rest)
+        if status[i] > UNSTABLE:
+            pose[i], jacobian[i], compliance[i], by[i] = np.nan, np.nan, np.nan, np.nan
+            continue
+        tip_derivatives(basis, stations, tip, loads[i], q[i], work, step, compliance[i], jacobian[i])
+        pose[i] = q[i, q.shape[1] - 3 :]
+        _unit_responses(work, m, compliance[i], W)
+        if stiffness[0] >= 0 or stiffness[1] >= 0 or stiffness[2] >= 0:
+            _by_stiffness(basis, stations, q[i], W, spare[0], spare[1], spare[2])
+            for k in range(3):
+                if stiffness[k] >= 0:
+                    by[i, :, stiffness[k]] = spare[k]
+        for k in range(which.shape[0]):
+            _residual_change(basis, c_stations[k], c_tip[k], c_q_rest[k], loads[i], q[i], c_q, c_res, c_K)
+            for row in range(3):
+                total = 0.0
+                for a in range(3, q.shape[1]):
+                    total -= W[row, a] * c_res[a].imag
+                by[i, row, k] = total / STEP

@@ -1,7 +1,5 @@
 """What acts at the head plate: two tendons over pulleys, the head's weight, a dead wrench at Q."""
 
-import math
-
 import numpy as np
 
 from ._jit import kernel, step_kernel
@@ -43,7 +41,7 @@ def tendon(dx, dz, radius, side):
     the attachment lies inside the pulley.
     """
     distance2 = dx * dx + dz * dz
-    free = math.sqrt(distance2 - radius * radius)
+    free = np.sqrt(distance2 - radius * radius)
     reach = side * radius
     return (free * dx - reach * dz) / distance2, (free * dz + reach * dx) / distance2, free
 
