@@ -3,6 +3,7 @@
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .data_columns import COLUMNS, match
 from .data_files import Table, read_table, table_of
 from .errors import InputError
+from .files import csv_text, write_whole
 
 __all__ = ["Measurements", "read_measurements"]
 
@@ -131,6 +133,31 @@ class Measurements:
                              f"({self.n},) or a list of indices")  # fmt: skip
         others = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         return type(self)(**{**others, **{name: others[name][chosen] for name in _ARRAYS}})
+
+    def to_csv(self, path: str | os.PathLike[str], comment: str = "") -> Path:
+        """Write the rows in SI to the last digit, so that `read_measurements` gives back every entry.
+
+        Columns that hold nothing are left out. `comment` is text for the top of the file.
+
+        Raises
+        ------
+        InputError : there is no row to write, or the file cannot be written.
+        """
+        if not self.n:
+            raise InputError(f"{path}: no rows to write; a measurement file has at least one")
+        remarks = "".join(f"# {line}".rstrip() + "\n" for line in comment.splitlines())
+        return write_whole(path, remarks + csv_text(self._filled()))
+
+    def _filled(self) -> dict[str, NDArray[Any]]:
+        """Return the columns that hold anything, and always the tendon forces, by their names in a file."""
+        filled = {}
+        for name, column in COLUMNS.items():
+            values = getattr(self, name)
+            absent = column.absent if column.units else ""
+            empty = np.isnan(values) if absent != absent else values == absent
+            if name in ("lam_l", "lam_r") or not empty.all():
+                filled[column.names[0]] = values
+        return filled
 
     def __repr__(self) -> str:
         poses = int(self.measured.all(axis=1).sum())
