@@ -1,0 +1,181 @@
+"""Equilibria of the strong form: all rows integrated at once, shooting by Newton's method.
+
+The unknowns of a row are the force at the tip and the couple at the clamp; see `strong_form` for the equations.
+
+An equilibrium counts when it is stable and lies on the branch that grows from the unloaded beam. It is stable when
+no section between clamp and tip is conjugate to the clamp (the beam does not buckle between two clamps) and the
+stiffness that the head feels is positive definite.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Measurements
+from ..errors import InputError
+from ..mechanism import Mechanism
+from .laws import Parameters, Rows, acting, named, tip_wrench
+from .strong_form import differentiated, integrate
+
+__all__ = ["Equilibria", "Outcome", "equilibria"]
+
+Array = NDArray[Any]
+
+_CONVERGED = 1e-7  # Newton's step, in units of the beam; the next one would be its square
+_ITERATIONS = 12
+_SMALLEST_LOAD_STEP = 1.0 / 1024.0
+
+
+class Outcome(IntEnum):
+    """What became of a row."""
+
+    STABLE = 0
+    UNSTABLE = 1
+    LOST = 2
+
+    def explain(self, load_factor: float) -> str:
+        """Say in words what happened at `load_factor` of the load."""
+        return {
+            Outcome.STABLE: "stable equilibrium",
+            Outcome.UNSTABLE: f"buckles or snaps at {load_factor:.3g} of its load",
+            Outcome.LOST: f"no equilibrium beyond {load_factor:.3g} of its load (it snaps, or a tendon is pulled up to "
+            "its pulley)",
+        }[self]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Equilibria:
+    """One equilibrium a row.
+
+    Attributes
+    ----------
+    pose : (n, 3) x, z, theta of Q [m, m, rad]; nan unless the outcome is stable
+    outcome : (n,) values of `Outcome`
+    load_factor : (n,) share of the load up to which a stable equilibrium was followed, 1 where it was found
+    loads : the rows
+    """
+
+    pose: Array
+    outcome: NDArray[np.int64]
+    load_factor: Array
+    loads: Measurements
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        """Which rows have a pose, (n,)."""
+        return np.equal(self.outcome, Outcome.STABLE)
+
+    def raise_if_failed(self) -> "Equilibria":
+        """Return itself, or raise `InputError` that names the first row without a stable equilibrium and why."""
+        failed = np.flatnonzero(~self.stable)
+        if failed.size:
+            i = int(failed[0])
+            rest = f", and {failed.size - 1} more rows fail" if failed.size > 1 else ""
+            said = Outcome(int(self.outcome[i])).explain(float(self.load_factor[i]))
+            raise InputError(f"{self.loads.where(i)}: {said}{rest}; lower the load or leave the row out")
+        return self
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{np.sum(self.outcome == kind)} {kind.name.lower()}" for kind in Outcome)
+        return f"<Equilibria of {len(self.outcome)} rows: {counts}>"
+
+
+def equilibria(mechanism: Mechanism, loads: Measurements, *, load_steps: int = 1) -> Equilibria:
+    """Return where the neck comes to rest under the loads of every row.
+
+    Parameters
+    ----------
+    mechanism : what is built, effects included
+    loads : forces, wrenches and what was changed on the test bed; its poses are not read
+    load_steps : how many equal steps the load is first tried in; a step that fails is halved
+
+    Raises
+    ------
+    InputError : the mechanism has an effect that the test bed has no law for.
+    """
+    p = named(mechanism)
+    n = loads.n
+    rows = Rows(acting(p, loads).T, loads.wrench.T, loads.extra_mass, loads.tilt, np.ones(n))
+    unknown, slope, pose = np.zeros((3, n)), np.zeros((3, n)), np.full((3, n), np.nan)
+    factor, step = np.zeros(n), np.full(n, 1.0 / load_steps)
+    outcome = np.full(n, Outcome.LOST, dtype=np.int64)
+    while (which := np.flatnonzero((factor < 1.0) & (step >= _SMALLEST_LOAD_STEP))).size:
+        aim = np.minimum(factor[which] + step[which], 1.0)
+        guess = unknown[:, which] + slope[:, which] * (aim - factor[which])
+        found, there, verdict = _newton(p, rows.select(which).grown_to(aim), guess)
+        good = verdict == Outcome.STABLE
+        outcome[which] = verdict
+        done = which[good]
+        slope[:, done] = (found - unknown[:, which])[:, good] / (aim - factor[which])[good]
+        unknown[:, done], pose[:, done], factor[done] = found[:, good], there[:, good], aim[good]
+        step[which] *= np.where(good, 2.0, 0.5)
+    pose[:, outcome != Outcome.STABLE] = np.nan
+    return Equilibria(pose.T.copy(), outcome, factor, loads)
+
+
+def _newton(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Return unknowns (3, n), poses (3, n) and outcomes (n,) from a guess of the unknowns (3, n).
+
+    A row is given up when an iterate is unstable or a step is more than half the one before: on such a walk Newton's
+    method may cross to another branch.
+    """
+    n = unknown.shape[1]
+    unknown, pose, last = unknown.copy(), np.full((3, n), np.nan), np.full(n, np.inf)
+    outcome, active = np.full(n, Outcome.LOST, dtype=np.int64), np.arange(n)
+    L, EI = p["beam.length"], p["beam.EI"]
+    unit = np.array([[EI / L**2], [EI / L**2], [EI / L]])
+    for _ in range(_ITERATIONS):
+        step, here, by_unknown, stable = _shoot(p, rows.select(active), unknown[:, active])
+        size = np.abs(step / unit).max(axis=0)
+        outcome[active[~stable]] = Outcome.UNSTABLE
+        unknown[:, active] += step
+        pose[:, active] = here + np.einsum("ijn,jn->in", by_unknown, step)
+        done = stable & (size < _CONVERGED)
+        outcome[active[done]] = Outcome.STABLE
+        go_on = stable & ~done & (size < 0.5 * last[active])
+        last[active] = size
+        active = active[go_on]
+        if not active.size:
+            break
+    return unknown, pose, outcome
+
+
+def _shoot(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    """Newton's step (3, n), pose of Q (3, n), its derivative by the unknowns (3, 3, n), and whether it is stable."""
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # a row that leaves the laws' domain is nan
+        path, sound = integrate(p, rows, unknown)
+        tip, by_unknown = path[:, 0, :, -1], path[:3, 1:, :, -1]
+        thrice = rows.select(np.tile(np.arange(tip.shape[1]), 3))
+        wrench, load_stiffness = differentiated(lambda pose: tip_wrench(p, thrice, pose), tip[:3])
+        residual = np.stack([unknown[0], unknown[1], tip[3]]) - wrench
+        internal = np.stack([_ones(0, unknown), _ones(1, unknown), path[3, 1:, :, -1]])
+        jacobian = internal - np.einsum("ijn,jkn->ikn", load_stiffness, by_unknown)
+        sound &= np.isfinite(jacobian).all(axis=(0, 1)) & np.isfinite(residual).all(axis=0)
+        jacobian[:, :, ~sound] = np.eye(3)[:, :, None]
+        step = -np.linalg.solve(np.moveaxis(jacobian, 2, 0), residual.T[..., None])[..., 0].T
+        stable = sound & _is_stable(path, jacobian, by_unknown, p["beam.length"])
+    return step, tip[:3], by_unknown, stable
+
+
+def _ones(place: int, unknown: Array) -> Array:
+    rows = np.zeros_like(unknown)
+    rows[place] = 1.0
+    return rows
+
+
+def _is_stable(path: Array, jacobian: Array, by_unknown: Array, length: float) -> NDArray[np.bool_]:
+    """No conjugate point on the way, and a positive definite stiffness at the head, (n,)."""
+    conjugate = np.linalg.det(np.moveaxis(path[:3, 1:, :, 1:], (0, 1), (2, 3))) <= 0.0
+    regular = ~conjugate.any(axis=1)
+    stiffness = np.zeros((regular.size, 3, 3))
+    pose_by = np.moveaxis(by_unknown, 2, 0)[regular]
+    stiffness[regular] = np.moveaxis(jacobian, 2, 0)[regular] @ np.linalg.inv(pose_by)
+    scale = np.array([1.0, 1.0, 1.0 / length])  # a congruence: it changes no sign of an eigenvalue
+    stiffness = 0.5 * (stiffness + stiffness.swapaxes(1, 2)) * scale[:, None] * scale
+    whole = np.isfinite(stiffness).all(axis=(1, 2))
+    stiffness[~whole] = 0.0
+    positive: NDArray[np.bool_] = regular & whole & (np.linalg.eigvalsh(stiffness)[:, 0] > 0.0)
+    return positive
