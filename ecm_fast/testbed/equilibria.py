@@ -26,6 +26,7 @@ Array = NDArray[Any]
 
 _CONVERGED = 1e-7  # Newton's step, in units of the beam; the next one would be its square
 _ITERATIONS = 12
+_FAR = (1.0, 1.0, 2.0)  # more than the tip moves in one step: x and z in lengths, theta [rad]
 _SMALLEST_LOAD_STEP = 1.0 / 1024.0
 
 
@@ -119,23 +120,25 @@ def equilibria(mechanism: Mechanism, loads: Measurements, *, load_steps: int = 1
 def _newton(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, Array, NDArray[np.int64]]:
     """Return unknowns (3, n), poses (3, n) and outcomes (n,) from a guess of the unknowns (3, n).
 
-    A row is given up when an iterate is unstable or a step is more than half the one before: on such a walk Newton's
-    method may cross to another branch.
+    A row is given up when an iterate is unstable, a step is more than half the one before, or a step moves the tip
+    far: on such a walk Newton's method may cross to another branch.
     """
     n = unknown.shape[1]
     unknown, pose, last = unknown.copy(), np.full((3, n), np.nan), np.full(n, np.inf)
     outcome, active = np.full(n, Outcome.LOST, dtype=np.int64), np.arange(n)
     L, EI = p["beam.length"], p["beam.EI"]
     unit = np.array([[EI / L**2], [EI / L**2], [EI / L]])
+    far = np.array(_FAR)[:, None] * [[L], [L], [1.0]]
     for _ in range(_ITERATIONS):
         step, here, by_unknown, stable = _shoot(p, rows.select(active), unknown[:, active])
         size = np.abs(step / unit).max(axis=0)
         outcome[active[~stable]] = Outcome.UNSTABLE
         unknown[:, active] += step
-        pose[:, active] = here + np.einsum("ijn,jn->in", by_unknown, step)
+        move = np.einsum("ijn,jn->in", by_unknown, step)
+        pose[:, active] = here + move
         done = stable & (size < _CONVERGED)
         outcome[active[done]] = Outcome.STABLE
-        go_on = stable & ~done & (size < 0.5 * last[active])
+        go_on = stable & ~done & (size < 0.5 * last[active]) & (np.abs(move) < far).all(axis=0)
         last[active] = size
         active = active[go_on]
         if not active.size:

@@ -19,7 +19,8 @@ __all__ = ["differentiated", "integrate"]
 Array = NDArray[Any]
 
 _TOLERANCE = 1e-11  # of the integrator, relative and in units of the beam's own size
-_MOST_TURNS = 1e3  # [rad]; an iterate that curls up more is stopped, lest all rows wait for it
+_MOST_TURNS = 1e2  # [rad]; an iterate that curls up more is stopped, lest all rows wait for it
+_SECTION_STEPS = 40
 _STEP = 1e-30  # complex step: the error is its square
 _PROBES = 1j * _STEP * np.eye(3)[:, :, None]
 
@@ -97,7 +98,7 @@ def _strains(p: Parameters, s: float, contact: Array, strains: Array) -> tuple[A
     Newton's method on `section`, which is monotone; a step may at most halve the stretch, so that it stays positive.
     """
     unit = np.array([[1.0], [1.0], [1.0 / p["beam.length"]]])
-    for _ in range(40):
+    for _ in range(_SECTION_STEPS):
         value, stiffness = differentiated(lambda at: section(p, s, at), strains)
         flexibility = _inverse(stiffness)
         step = (flexibility * (contact - value)).sum(axis=1)
@@ -105,9 +106,10 @@ def _strains(p: Parameters, s: float, contact: Array, strains: Array) -> tuple[A
         if short.any():
             step = np.where(short, step * (-0.5 * strains[0] / np.where(short, step[0], 1.0)), step)
         strains = strains + step
-        if not np.nanmax(np.abs(step / unit), initial=0.0) > 1e-8:  # the next step is the square of this one
+        far = np.abs(step / unit).max(axis=0) > 1e-8  # the next step is the square of this one
+        if not far.any():
             return strains, flexibility
-    return np.full_like(strains, np.nan), flexibility
+    return np.where(far, np.nan, strains), flexibility
 
 
 def differentiated(law: Callable[[Array], Array], at: Array) -> tuple[Array, Array]:
