@@ -109,17 +109,22 @@ def mass_test(masses: ArrayLike, lam: ArrayLike = ((0.0, 0.0),), *, dwell: float
 
 
 def in_sequence(*tables: Measurements) -> Measurements:
-    """Return several experiments as one, each begun when the one before is over."""
+    """Return several experiments as one, each a session of its own, begun when the one before is over.
+
+    Loads of different sessions count as different, also where they are equal.
+    """
     if not tables:
-        raise InputError("no experiments; name at least one")
+        raise InputError("no experiments to do in sequence; name at least one")
     columns: dict[str, Any] = {
         column.names[0]: np.concatenate([getattr(table, name) for table in tables]) for name, column in COLUMNS.items()
     }
-    begin, times = 0.0, []
-    for table in tables:
-        times.append(table.t + begin)
-        begin += float(table.t[-1]) + _BETWEEN
-    return Measurements.from_columns({**columns, "t_s": np.concatenate(times)}, source=tables[0].source)
+    ends = np.cumsum([table.t[-1] + _BETWEEN for table in tables])
+    begins = np.repeat([0.0, *ends[:-1]], [table.n for table in tables])
+    session = np.repeat(np.arange(len(tables)) + 1, [table.n for table in tables])
+    columns["t_s"] = columns["t_s"] + begins
+    columns["session"] = [str(number) for number in session]
+    columns["pose_id"] = [f"{number}: {label}" for number, label in zip(session, columns["pose_id"], strict=True)]
+    return Measurements.from_columns(columns, source=" and ".join(dict.fromkeys(table.source for table in tables)))
 
 
 def _changed(experiment: str, name: str, values: Array, lam: ArrayLike, dwell: float) -> Measurements:
