@@ -1,7 +1,8 @@
-"""Data that ship with the package: measurements of other people's beams, and solutions made by another method.
+"""Data that ship with the package: other people's measurements, simulated ones, and solutions made by another method.
 
 The measurements are figures published by others, each file citing its source; nothing in a mechanism file was fitted
-unless that file says so.
+unless that file says so. What is called ``simulated_...`` nobody measured: the test bed of `ecm_fast.testbed` made it,
+and its mechanism file is the truth.
 """
 
 import csv
@@ -22,7 +23,16 @@ __all__ = ["ReferenceSolutions", "available", "describe", "load", "reference_sol
 
 Array = NDArray[np.float64]
 
-_NAMES = ("steel_cantilever", "silicone_cantilever")
+_NAMES = (
+    "steel_cantilever",
+    "silicone_cantilever",
+    "simulated_slender_tendon",
+    "simulated_slender_shear",
+    "simulated_paper_tendon",
+    "simulated_paper_shear",
+    "simulated_compression_28mm",
+    "simulated_compression_40mm",
+)
 _FOLDER = files(__name__)
 
 
