@@ -298,3 +298,37 @@ def test_30000_rows(read: Any) -> None:
     assert run.lam[12345].tolist() == [12345.0, 17655.0]
     assert run.x[700] == 0.1
     assert run.rows[-1] == 30001
+
+
+def test_what_is_written_reads_back_to_the_last_digit(tmp_path: Path) -> None:
+    awkward = [1 / 3, 5e-324, 1.7976931348623157e308, 0.1 + 0.2]
+    run = Measurements.from_columns(
+        {
+            **{name: awkward for column in COLUMNS.values() for name in column.names[:1] if column.units},
+            "z_m": [None, -0.0, -1 / 3, None],
+            "experiment": ["a, b", '"quoted"', "#1", ""],
+            "pose_id": ["7", "", "zwölf", "a;b"],
+            "session": [1, 2, 2, 3],
+        }
+    )
+    path = run.to_csv(tmp_path / "run.csv", "Where from: the laboratory.\n\nSecond paragraph, with a comma.")
+    again = read_measurements(path)
+    for name in COLUMNS:
+        np.testing.assert_array_equal(getattr(again, name), getattr(run, name), err_msg=name)
+    assert np.signbit(again.z[1])
+    assert again.rows.tolist() == [5, 6, 7, 8]
+    comment = path.read_text(encoding="utf-8").splitlines()[:3]
+    assert comment == ["# Where from: the laboratory.", "#", "# Second paragraph, with a comma."]
+
+
+def test_columns_that_hold_nothing_are_not_written(tmp_path: Path) -> None:
+    run = Measurements.from_columns({"x_mm": [98.5, None], "tilt_rad": [0.0, 0.0], "session": ["", ""]})
+    path = run.to_csv(tmp_path / "run.csv")
+    assert path.read_text(encoding="utf-8") == "lam_l_N,lam_r_N,x_m\n0.0,0.0,0.0985\n0.0,0.0,\n"
+
+
+def test_without_rows_nothing_is_written(tmp_path: Path) -> None:
+    run = Measurements.from_columns({"x_mm": [98.5]}).select([])
+    with pytest.raises(InputError, match=r"run\.csv: no rows to write; a measurement file has at least one$"):
+        run.to_csv(tmp_path / "run.csv")
+    assert not (tmp_path / "run.csv").exists()
