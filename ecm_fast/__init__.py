@@ -16,24 +16,35 @@ if TYPE_CHECKING:
     from .discretization import Discretization
     from .effects import CATALOGUE, Effect
     from .equilibrium import BatchResult, Equilibrium, Status
-    from .errors import EcmError, InputError, NotConverged
+    from .errors import EcmError, InputError, NotConverged, OutOfRangeWarning
     from .mechanism import Beam, Effects, Gravity, Head, Mechanism, Tendons
     from .model import FiniteElementModel
     from .parameters import PARAMETERS, pack, unpack
+    from .polynomial import ForwardPolynomial, PolynomialModel
     from .prediction import Prediction, predict
     from .quantity import Quantity
+    from .training import RelativeErrors, TrainingSet, relative_errors, tip_wrenches, training_poses, training_rows
 
 _HOME = {
     "data": ("Measurements", "read_measurements"),
     "discretization": ("Discretization",),
     "effects": ("CATALOGUE", "Effect"),
     "equilibrium": ("BatchResult", "Equilibrium", "Status"),
-    "errors": ("EcmError", "InputError", "NotConverged"),
+    "errors": ("EcmError", "InputError", "NotConverged", "OutOfRangeWarning"),
     "mechanism": ("Beam", "Effects", "Gravity", "Head", "Mechanism", "Tendons"),
     "model": ("FiniteElementModel",),
     "parameters": ("PARAMETERS", "pack", "unpack"),
+    "polynomial": ("ForwardPolynomial", "PolynomialModel"),
     "prediction": ("Prediction", "predict"),
     "quantity": ("Quantity",),
+    "training": (
+        "RelativeErrors",
+        "TrainingSet",
+        "relative_errors",
+        "tip_wrenches",
+        "training_poses",
+        "training_rows",
+    ),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}
 

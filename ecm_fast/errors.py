@@ -4,13 +4,16 @@
     ├── InputError      what came in cannot be right: names the place, the value and what is allowed
     └── NotConverged    a solve was asked to vouch for its result and could not
 
+    UserWarning
+    └── OutOfRangeWarning    a fitted polynomial is asked about what it was not trained on
+
 Kernels never raise: they return a status, and `Equilibrium.raise_if_failed` is where it becomes an exception.
 """
 
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-__all__ = ["EcmError", "InputError", "NotConverged", "did_you_mean", "key_shown", "shown", "why"]
+__all__ = ["EcmError", "InputError", "NotConverged", "OutOfRangeWarning", "did_you_mean", "key_shown", "shown", "why"]
 
 
 class EcmError(Exception):
@@ -23,6 +26,10 @@ class InputError(EcmError, ValueError):
 
 class NotConverged(EcmError):  # noqa: N818  the name says what happened, as `StopIteration` does
     """No equilibrium was found for the loads asked for; the text tells how far the loading got."""
+
+
+class OutOfRangeWarning(UserWarning):
+    """A fitted polynomial is asked about what it was not trained on; the text says what leaves the range, how far."""
 
 
 def did_you_mean(word: str, allowed: Iterable[str]) -> str:

@@ -27,7 +27,7 @@ import numba
 from numba.core import types
 from numba.extending import intrinsic, register_jitable
 
-__all__ = ["CACHE_FOLDER", "array_at", "kernel", "ordered_kernel", "step_kernel", "wide"]
+__all__ = ["CACHE_FOLDER", "array_at", "call_kernel", "kernel", "ordered_kernel", "step_kernel", "wide"]
 
 _log = logging.getLogger("ecm_fast")
 _config: Any = numba.config  # its settings come from the environment, unknown to a type checker
@@ -84,8 +84,15 @@ def step_kernel(function: Callable[..., Any]) -> Any:
     return _compile(function, _FASTMATH, forceinline=True)
 
 
-def _compile(function: Callable[..., Any], fastmath: set[str], *, forceinline: bool = False) -> Any:
-    options: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": fastmath, "forceinline": forceinline}
+def call_kernel(function: Callable[..., Any]) -> Any:
+    """Compile as `kernel` does, but keep the interpreter's lock: to let go of it costs more than the kernel does."""
+    return _compile(function, _FASTMATH, nogil=False)
+
+
+def _compile(function: Callable[..., Any], fastmath: set[str], *, forceinline: bool = False, nogil: bool = True) -> Any:
+    options: dict[str, Any] = {
+        "error_model": "numpy", "nogil": nogil, "fastmath": fastmath, "forceinline": forceinline,
+    }  # fmt: skip
     if CACHE_FOLDER is None:
         return numba.njit(**options)(function)
     # numba reads CACHE_DIR while it decorates; other packages' kernels keep their own place
