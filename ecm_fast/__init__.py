@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .polynomial import ForwardPolynomial, PolynomialModel
     from .prediction import Prediction, predict
     from .quantity import Quantity
-    from .training import RelativeErrors, TrainingSet, relative_errors, tip_wrenches, training_poses, training_rows
+    from .training import TrainingSet, WrenchErrors, relative_errors, tip_wrenches, training_poses, training_rows
 
 _HOME = {
     "data": ("Measurements", "read_measurements"),
@@ -38,8 +38,8 @@ _HOME = {
     "prediction": ("Prediction", "predict"),
     "quantity": ("Quantity",),
     "training": (
-        "RelativeErrors",
         "TrainingSet",
+        "WrenchErrors",
         "relative_errors",
         "tip_wrenches",
         "training_poses",

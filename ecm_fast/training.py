@@ -20,8 +20,9 @@ from .polynomial import PolynomialModel
 
 __all__ = [
     "WRENCH_BOX",
-    "RelativeErrors",
     "TrainingSet",
+    "WrenchErrors",
+    "measured_wrenches",
     "relative_errors",
     "tip_wrenches",
     "training_poses",
@@ -51,6 +52,11 @@ class TrainingSet:
     poses: Array
     wrenches: Array
     dropped: int
+
+    @classmethod
+    def empty(cls) -> Self:
+        """Return a set of no poses, to add to."""
+        return cls(np.empty((0, 3)), np.empty((0, 3)), 0)
 
     def __add__(self, other: Self) -> Self:
         poses, wrenches = np.concatenate([self.poses, other.poses]), np.concatenate([self.wrenches, other.wrenches])
@@ -83,7 +89,7 @@ def training_poses(
     if n < 1:
         raise InputError(f"n = {n}: allowed is a whole number >= 1")
     lower, upper = _box(WRENCH_BOX if box is None else box)
-    rng, kept = np.random.default_rng(seed), TrainingSet(np.empty((0, 3)), np.empty((0, 3)), 0)
+    rng, kept = np.random.default_rng(seed), TrainingSet.empty()
     while len(kept) < n:
         wrenches = rng.uniform(lower, upper, (n - len(kept), 3))
         result = model.solve_batch(np.zeros((len(wrenches), 2)), wrenches)
@@ -96,23 +102,29 @@ def training_poses(
 
 
 def training_rows(model: FiniteElementModel, data: Measurements) -> TrainingSet:
-    """Return the measured poses of `data` with the wrench of tendons and dead loads there.
-
-    Rows without a whole pose are dropped, those in which a pulling tendon has no direction, and those with an extra
-    mass or a tilt: these change what acts always.
+    """Return the measured poses of `data` with the wrench of tendons and dead loads there, see `measured_wrenches`.
 
     Raises
     ------
     InputError : no row is left.
     """
+    wrenches = measured_wrenches(model, data)
+    known = np.isfinite(wrenches).all(axis=1)
+    if not known.any():
+        raise InputError(f"{data.source}: none of {data.n} rows has a whole pose, without extra mass and tilt")
+    return TrainingSet(data.pose[known], wrenches[known], int(np.sum(~known)))
+
+
+def measured_wrenches(model: FiniteElementModel, data: Measurements) -> Array:
+    """Return the wrench of tendons and dead loads at the measured poses of `data`, (n, 3) [N, N, N m].
+
+    It is nan in rows without a whole pose, where a pulling tendon has no direction, and in rows with an extra mass or
+    a tilt: these change what acts always.
+    """
     wrenches = tip_wrenches(model, data.pose, data.lam, data.wrench)
-    usable = np.isfinite(wrenches).all(axis=1) & (data.extra_mass == 0.0) & (data.tilt == 0.0)
-    usable &= data.measured.all(axis=1)
-    if not usable.any():
-        raise InputError(
-            f"{data.source}: none of {data.n} rows has a whole pose x, z, theta, without extra mass and tilt"
-        )
-    return TrainingSet(data.pose[usable], wrenches[usable], int(np.sum(~usable)))
+    unknown = ~data.measured.all(axis=1) | (data.extra_mass != 0.0) | (data.tilt != 0.0)
+    wrenches[unknown | ~np.isfinite(wrenches).all(axis=1)] = np.nan
+    return wrenches
 
 
 def tip_wrenches(
@@ -143,12 +155,12 @@ def tip_wrenches(
 
 
 @dataclass(frozen=True, eq=False)
-class RelativeErrors:
+class WrenchErrors:
     """How far predicted wrenches are off, component by component: the paper's Fig. 5.
 
     Attributes
     ----------
-    observed : (n, 3) fx, fz, tau [N, N, N m]
+    observed : (n, 3) fx, fz, tau [N, N, N m]; nan where not known
     predicted : (n, 3)
     """
 
@@ -159,6 +171,15 @@ class RelativeErrors:
     def relative(self) -> Array:
         """(predicted - observed) / observed, (n, 3)."""
         return (self.predicted - self.observed) / self.observed
+
+    @property
+    def rms(self) -> Array:
+        """Root mean square of predicted less observed, (3,) [N, N, N m]; nan where nothing is known."""
+        squares = (self.predicted - self.observed) ** 2
+        known = np.isfinite(squares)
+        with np.errstate(invalid="ignore"):
+            rms: Array = np.sqrt(np.sum(np.where(known, squares, 0.0), axis=0) / np.sum(known, axis=0))
+        return rms
 
     def share(self, limit: float = 0.02) -> Array:
         """Return which share of the points lies within +- limit, (3,)."""
@@ -173,12 +194,12 @@ class RelativeErrors:
 
     def __repr__(self) -> str:
         shares = ", ".join(f"{name} {share:.1%}" for name, share in zip(("fx", "fz", "tau"), self.share(), strict=True))
-        return f"<RelativeErrors of {len(self.observed)} poses: within 2 %: {shares}>"
+        return f"<WrenchErrors of {len(self.observed)} poses: within 2 %: {shares}>"
 
 
-def relative_errors(poly: PolynomialModel, test: TrainingSet) -> RelativeErrors:
+def relative_errors(poly: PolynomialModel, test: TrainingSet) -> WrenchErrors:
     """Return how far a polynomial model is off at poses it was not trained on; no warning beyond its range."""
-    return RelativeErrors(test.wrenches, poly.polynomial(test.poses))
+    return WrenchErrors(test.wrenches, poly.polynomial(test.poses))
 
 
 def _box(box: tuple[ArrayLike, ArrayLike]) -> tuple[Array, Array]:

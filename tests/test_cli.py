@@ -323,7 +323,7 @@ def test_reproduce_gives_one_object_and_reports_progress_on_stderr(run: Run, mon
 TENSION = "allowed is a finite number >= 0 [N], a tendon only pulls; see ecm-fast solve --help"
 FINITE = "allowed is a finite number; see ecm-fast solve --help"
 WHOLE = "allowed is a whole number; see ecm-fast solve --help"
-COMMANDS = "solve, predict, effects, init, reproduce"
+COMMANDS = "solve, predict, polynomial fit, polynomial eval, effects, init, reproduce"
 SOLVE = ("solve", "--tendons", "1", "2")
 
 
@@ -376,7 +376,7 @@ def test_bad_arguments(refused: Callable[..., str], words: tuple[str, ...], text
 
 
 @pytest.mark.parametrize(
-    "command", [(), *((name,) for name in cli.COMMANDS)], ids=lambda words: " ".join(words) or "top"
+    "command", [(), *(tuple(name.split()) for name in cli.COMMANDS)], ids=lambda words: " ".join(words) or "top"
 )
 def test_every_command_has_help(run: Run, command: tuple[str, ...]) -> None:
     ended = run(*command, "--help")

@@ -84,11 +84,14 @@ def folder(path: str) -> Path:
 
 
 def saved(args: argparse.Namespace, answer: Mapping[str, Any]) -> tuple[str, ...]:
-    """Write the answer to ``DIR/COMMAND.json`` where ``--out DIR`` asks for it; returns the note that says so."""
+    """Write the answer to ``DIR/COMMAND.json`` where ``--out DIR`` asks for it; returns the note that says so.
+
+    A command of two words has ``_`` between them there.
+    """
     from ..files import write_whole
 
     if args.out is None:
         return ()
-    path = folder(args.out) / f"{args.command}.json"
+    path = folder(args.out) / f"{args.command.replace(' ', '_')}.json"
     write_whole(path, json.dumps(plain(answer), allow_nan=False, indent=1) + "\n")
     return (f"wrote {path}",)

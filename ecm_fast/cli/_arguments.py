@@ -12,7 +12,7 @@ from ._answer import EXIT_CODES, Command
 if TYPE_CHECKING:
     from ..mechanism import Mechanism
 
-__all__ = ["add_model", "discretization", "finite_number", "mechanism", "parse", "tension"]
+__all__ = ["add_model", "count", "discretization", "finite_number", "mechanism", "parse", "tension"]
 
 
 class _Parser(argparse.ArgumentParser):
@@ -34,7 +34,12 @@ def parse(words: list[str], commands: Mapping[str, Command]) -> argparse.Namespa
     top = _Parser(prog="ecm-fast", description="Statics of a tendon-driven soft robot neck.")
     top.add_argument("--version", action="version", version=f"ecm-fast {__version__}")
     parsers = top.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    options = {name: _add_command(parsers, name, command) for name, command in commands.items()}
+    groups, options = {"": parsers}, {}
+    for name, command in commands.items():
+        group = name.rpartition(" ")[0]
+        if group not in groups:
+            groups[group] = _add_group(parsers, group, [name for name in commands if name.startswith(f"{group} ")])
+        options[name] = _add_command(groups[group], name, command)
     _check_command(words, commands)
     args, unknown = top.parse_known_args([_shielded(word) for word in words])
     if unknown:
@@ -45,20 +50,33 @@ def parse(words: list[str], commands: Mapping[str, Command]) -> argparse.Namespa
     return args
 
 
+def _add_group(parsers: Any, group: str, names: list[str]) -> Any:
+    """Add the parser of the first word of commands of two; returns the place of their second words."""
+    text = ", ".join(names)
+    parser: _Parser = parsers.add_parser(group, help=text, description=text)
+    return parser.add_subparsers(metavar=" or ".join(name.rpartition(" ")[2] for name in names), required=True)
+
+
 def _add_command(parsers: Any, name: str, command: Command) -> list[str]:
     """Add a command's parser; returns its options."""
-    parser: _Parser = parsers.add_parser(name, help=command.summary, description=command.summary)
+    word = name.rpartition(" ")[2]
+    parser: _Parser = parsers.add_parser(word, help=command.summary, description=command.summary)
     command.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout and nothing else there")
     parser.add_argument("--out", metavar="DIR", help="folder for files; made where it is missing")
+    parser.set_defaults(command=name)
     return [option for action in parser._actions for option in action.option_strings]
 
 
 def _check_command(words: list[str], commands: Mapping[str, Command]) -> None:
-    """Complain about a word that is no command; argparse would list them all and guess none."""
-    name = next((word for word in words if not word.startswith("-")), None)
-    if name is not None and name not in commands:
-        raise InputError(f"no command {name!r}{did_you_mean(name, commands)}; allowed are {', '.join(commands)}")
+    """Complain about words that are no command; argparse would list them all and guess none."""
+    given = [word for word in words if not word.startswith("-")]
+    firsts = {name.partition(" ")[0] for name in commands}
+    if not given or given[0] in commands or (given[0] in firsts and len(given) == 1):
+        return
+    name, known = (" ".join(given[:2]), commands) if given[0] in firsts else (given[0], firsts)
+    if name not in commands:
+        raise InputError(f"no command {name!r}{did_you_mean(name, known)}; allowed are {', '.join(commands)}")
 
 
 def _shielded(word: str) -> str:
@@ -93,7 +111,8 @@ def tension(text: str) -> float:
     return value
 
 
-def _count(text: str) -> int:
+def count(text: str) -> int:
+    """Return a whole number >= 0."""
     if not (text.isascii() and text.isdigit() and len(text) < 10):
         raise argparse.ArgumentTypeError(f"{text.strip()!r}: allowed is a whole number")
     return int(text)
@@ -102,8 +121,8 @@ def _count(text: str) -> int:
 def add_model(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the commands that solve."""
     parser.add_argument("--mechanism", metavar="F", help="mechanism file (TOML); default: the preset 'slender'")
-    parser.add_argument("--elements", metavar="N", type=_count, help="number of equal elements; default: one")
-    parser.add_argument("--order", metavar="P", type=_count, help="of their shape functions; default: the model's")
+    parser.add_argument("--elements", metavar="N", type=count, help="number of equal elements; default: one")
+    parser.add_argument("--order", metavar="P", type=count, help="of their shape functions; default: the model's")
 
 
 def discretization(args: argparse.Namespace) -> dict[str, int]:
