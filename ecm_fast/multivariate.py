@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from importlib import import_module
+from types import ModuleType
 from typing import Any, Self
 
 import numpy as np
@@ -46,7 +47,7 @@ class Polynomial:
                     coefficients[v, below[lower]] = powers[v] * term
         return cls(center, coefficients)
 
-    @property
+    @cached_property
     def degree(self) -> int:
         """The highest sum of exponents."""
         return degree_of(self.center.size, self.coefficients.shape[1])
@@ -64,16 +65,19 @@ class Polynomial:
         return np.moveaxis(out, 2, 0)
 
     def stepper(self, *, slopes: bool = False) -> Callable[..., tuple[float, float, float]]:
-        """Return the compiled function of k numbers; with slopes also of an array (3, k) that it overwrites."""
+        """Return the compiled function of k floats; with slopes also of an array (3, k) that it overwrites."""
         return partial(self._kernel("one_with_slopes" if slopes else "one"), self._con)
 
     @cached_property
     def _con(self) -> Array:
         return np.concatenate([self.center, self.coefficients.ravel()])
 
+    @cached_property
+    def _module(self) -> ModuleType:
+        return import_module(f".kernels.polynomial{self.degree}", __package__)
+
     def _kernel(self, name: str) -> Any:
-        module = import_module(f".kernels.polynomial{self.degree}", __package__)
-        return getattr(module, f"{name}{self.center.size}")
+        return getattr(self._module, f"{name}{self.center.size}")
 
 
 def degree_of(k: int, m: int) -> int:

@@ -87,7 +87,7 @@ class _Fitted:
         return self.polynomial.coefficients.size if energy is None else energy.size - 1
 
     def stepper(self, *, slopes: bool = False) -> Callable[..., tuple[float, float, float]]:
-        """Return the compiled evaluation for control loops: numbers in, three numbers out, no array, no warning.
+        """Return the compiled evaluation for control loops: floats in, three floats out, no array, no warning.
 
         With ``slopes=True`` the last argument is an array (3, k) that the derivatives are written to.
         """

@@ -1,6 +1,7 @@
 """Arithmetic on flat float64 arrays, compiled: no objects, no units, no strings, no exceptions, no allocation.
 
 Read in this order: `layout` (what the arrays hold), `prepare` (parameter vector to solver constants), `section`,
-`element`, `tip` (forces and tangents), `front` (factor and solve), `newton` (equilibrium), `batch` (many of them).
+`element`, `tip` (forces and tangents), `front` (factor and solve), `newton` (equilibrium), `batch` (many of them);
+`condensed` (the fast path) and `polynomial` (the fitted models) stand beside them.
 The formulas themselves are stated once, in `ecm_fast.reference`, under the same names.
 """
