@@ -49,4 +49,32 @@ P_THETA, P_TURN, P_COUPLE, P_BX, P_BZ, P_DX, P_DZ, P_XX, P_XZ, P_ZZ, N_SECTION =
 # ... then what the step keeps for derivatives: its factor and N_KEPT more. LANES load cases lie side by side in a
 # batch, one alone in a control loop
 LANES, N_KEPT = 64, 9
+
+# The chain of elements: COLUMNS elements side by side, one quantity after the other, block after block.
+# Its constants begin like those of the condensed formulation; then the order, the number of elements and the shape
+# functions' values and derivatives by xi at the Gauss points; then the blocks
+COLUMNS = 64
+C_ORDER, C_COUNT, C_BASIS = range(C_STATION, C_STATION + 3)
+# for each Gauss point of an element: weight [m], scale of the axial force [1/N], 1/EA, 1/GA, dead load beyond the
+# point in x and z [N], weight * EI / element length^2 [N m], weight * EI * curvature as built / element length [N m];
+# with the first point also the element's 1/(EI/length) [1/(N m)], and its EI/length as a share of the next element's
+(B_WEIGHT, B_SCALE, B_BY_N, B_BY_Q, B_BEYOND_X, B_BEYOND_Z, B_BEND, B_CURVED, B_UNIT, B_RATIO,
+ N_BEAM) = range(0, 11 * COLUMNS, COLUMNS)
+
+# state of the chain, first what there is once: loads, tip pose, tip force, squared size of the last step, the number
+# of pivots and angles not to be trusted so far, of negative pivots in this step; sums over the elements: closure
+# [m], compliance at fixed angles, then what eliminating the angles adds to compliance and closure; wrench and load
+# stiffness at the tip
+(H_X, H_Z, H_THETA, H_FORCE_X, H_FORCE_Z, H_SIZE, H_DOUBT, H_NEGATIVE, H_DX, H_DZ, H_CXX, H_CXZ, H_CZZ,
+ H_XX, H_XZ, H_ZZ, H_XR, H_ZR, H_WRENCH) = range(N_LOADS, N_LOADS + 19)
+H_STIFFNESS = H_WRENCH + 3
+N_HEAD = H_STIFFNESS + 6
+# then block by block: the angles' stiffness at both ends of an element as shares of EI/length, the residual there
+# [N m] and its derivatives by the tip force [m], the angle at the right end; then what the elimination of the left end
+# leaves: its coupling to the right end, its residual and the tip force's columns, each divided by the pivot
+(E_LL, E_LR, E_RR, E_RES_L, E_RES_R, E_X_L, E_X_R, E_Z_L, E_Z_R, E_RIGHT, E_COUPLING, E_RES, E_X, E_Z,
+ N_ENDS) = range(0, 15 * COLUMNS, COLUMNS)
+# and for each Gauss point, in the same block: the angle there, derivative of the residual by it, residual, and its
+# derivatives by the tip force; and the angle at the node of that number, 0 the element's left end
+(G_ANGLE, G_SLOPE, G_RES, G_X, G_Z, G_NODE, N_SAMPLES) = range(0, 7 * COLUMNS, COLUMNS)
 # fmt: on
