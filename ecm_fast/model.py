@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .chain import Chain
 from .condensation import Columns, Condensation, columns, solve_mechanisms
 from .discretization import Discretization
 from .equilibrium import BatchResult, Equilibrium, Status
@@ -56,9 +57,9 @@ class FiniteElementModel:
     Notes
     -----
     The default, one element of order 5, leaves an error below 1e-8 (m, rad) wherever tendon forces up to 160 N
-    drive the neck. One element of order 3 to 6 is solved on the fast path (`kernels.condensed`), everything else,
-    and every load that the fast path does not vouch for, by `kernels.newton`: the same discrete equations, the same
-    solution to rounding. ``elements=20, order=1`` is the paper's discretization.
+    drive the neck. One element of order 3 to 6 is solved on the fast path of `kernels.condensed`, any other number and
+    order on that of `kernels.chain`, and what neither takes or vouches for by `kernels.newton`: the same discrete
+    equations, the same solution to rounding. ``elements=20, order=1`` is the paper's discretization.
 
     A model is immutable in use but owns work arrays: each thread needs its own.
 
@@ -85,10 +86,11 @@ class FiniteElementModel:
         prepare(self._par, self.discretization.mesh, self.discretization.nodes, stations, tip, q_rest)
 
     @cached_property
-    def _condensed(self) -> Condensation | None:
+    def _condensed(self) -> Condensation | Chain | None:
         """The fast path, made when first needed; None where it does not apply."""
         stations, tip, q_rest, _, _ = self._system
-        return Condensation.of(self.discretization, stations, tip, q_rest)
+        mesh = self.discretization
+        return Condensation.of(mesh, stations, tip, q_rest) or Chain.of(mesh, stations, tip, q_rest)
 
     @property
     def tip(self) -> Array:

@@ -158,6 +158,16 @@ def test_the_warm_path_meets_the_cold_one(how):
         np.testing.assert_allclose(pose, cold[i], rtol=0, atol=1e-12)
 
 
+def test_a_model_uses_it():
+    model, loads = FiniteElementModel(SLENDER, elements=20, order=1), random_loads(5, seed=2)
+    assert isinstance(model._condensed, Chain)
+    pose, _ = solve(chain_of(model), loads)
+    np.testing.assert_array_equal(model.solve_batch(loads[:, :2], loads[:, 2:5]).pose, pose)
+    *pose, status = model.stepper()(40.0, 10.0)
+    assert status == Status.CONVERGED
+    np.testing.assert_allclose(pose, model.solve((40.0, 10.0)).pose, rtol=0, atol=1e-12)
+
+
 def test_what_it_does_not_take():
     assert chain_of(FiniteElementModel(SLENDER.replace(neutral_axis_offset=1e-3), 5, 1)) is None
     assert chain_of(FiniteElementModel(SLENDER, 5, 1, gauss=2)) is None
