@@ -28,11 +28,19 @@ def bench_batch_fast(benchmark, order):
     assert result.stable.all()
 
 
-@pytest.mark.parametrize(("elements", "order"), [(1, 1), (10, 1), (20, 1), (160, 1), (2, 2), (2, 5)])
-@pytest.mark.benchmark(group="batch of 64, robust path")
-def bench_batch_robust(benchmark, elements, order):
+@pytest.mark.parametrize(("elements", "order"), [(10, 1), (20, 1), (40, 1), (160, 1), (2, 2), (2, 5)])
+@pytest.mark.benchmark(group="batch of 64, many elements")
+def bench_batch_chain(benchmark, elements, order):
     result = timed(benchmark, ecm.FiniteElementModel(NECK, elements, order).solve_batch, LOADS[:64])
     assert result.stable.all()
+
+
+@pytest.mark.parametrize("elements", [10, 160])
+@pytest.mark.benchmark(group="batch of 64, many elements")
+def bench_one_banded_solve(benchmark, elements):
+    band = np.random.default_rng(0).uniform(0.0, 1.0, (11, 3 * elements))
+    band[5] += 20.0
+    assert np.isfinite(timed(benchmark, solve_banded, (5, 5), band, np.ones(3 * elements))).all()
 
 
 @pytest.mark.parametrize(("elements", "order"), [(1, 4), (1, 5), (20, 1)])
