@@ -75,34 +75,29 @@ def tip_wrench(tip, loads, x, z, theta, wrench, K):
     s_x, s_z = tip[T_COM_X] * c + tip[T_COM_Z] * s, tip[T_COM_Z] * c - tip[T_COM_X] * s
     w_x, w_z = loads[L_GRAVITY] * tip[T_WEIGHT_X], loads[L_GRAVITY] * tip[T_WEIGHT_Z]
 
-    wrench[0], wrench[1] = loads[L_FX] + w_x, loads[L_FZ] + w_z
-    wrench[2] = loads[L_TAU] + s_z * w_x - s_x * w_z
-    K[0], K[1], K[2], K[3], K[4] = 0.0, 0.0, 0.0, 0.0, 0.0
-    K[5] = s_x * w_x + s_z * w_z
     shortest = np.inf
+    f_lx, f_lz, m_l, xx_l, zx_l, zz_l, tx_l, tz_l, tt_l = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    f_rx, f_rz, m_r, xx_r, zx_r, zz_r, tx_r, tz_r, tt_r = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if loads[L_LAM_L] != 0.0:
-        _pull(loads[L_LAM_L], e_lx, e_lz, free_l, l_x, l_z, wrench, K)
+        f_lx, f_lz, m_l, xx_l, zx_l, zz_l, tx_l, tz_l, tt_l = _pull(loads[L_LAM_L], e_lx, e_lz, free_l, l_x, l_z)
         shortest = free_l.real
     if loads[L_LAM_R] != 0.0:
-        _pull(loads[L_LAM_R], e_rx, e_rz, free_r, r_x, r_z, wrench, K)
+        f_rx, f_rz, m_r, xx_r, zx_r, zz_r, tx_r, tz_r, tt_r = _pull(loads[L_LAM_R], e_rx, e_rz, free_r, r_x, r_z)
         # a nan (attachment inside the pulley) must win
         shortest = shortest if free_r.real >= shortest else free_r.real
+    wrench[0], wrench[1] = loads[L_FX] + w_x + f_lx + f_rx, loads[L_FZ] + w_z + f_lz + f_rz
+    wrench[2] = loads[L_TAU] + s_z * w_x - s_x * w_z + m_l + m_r
+    K[0], K[1], K[2], K[3], K[4] = xx_l + xx_r, zx_l + zx_r, zz_l + zz_r, tx_l + tx_r, tz_l + tz_r
+    K[5] = s_x * w_x + s_z * w_z + tt_l + tt_r
     return shortest
 
 
-@kernel
-def _pull(lam, e_x, e_z, free, r_x, r_z, wrench, K):
-    """Add one tendon's wrench and stiffness; it turns about its tangent point, so only across its line."""
+@step_kernel
+def _pull(lam, e_x, e_z, free, r_x, r_z):
+    """One tendon's wrench f_x, f_z, tau and stiffness; it turns about its tangent point, so only across its line."""
     f_x, f_z = lam * e_x, lam * e_z
-    wrench[0] += f_x
-    wrench[1] += f_z
-    wrench[2] += r_z * f_x - r_x * f_z
     stiffness = lam / free
-    n_x, n_z = -e_z, e_x
-    n_t = n_x * r_z - n_z * r_x  # how the attachment moves along n when the plate turns
-    K[0] += stiffness * n_x * n_x
-    K[1] += stiffness * n_x * n_z
-    K[2] += stiffness * n_z * n_z
-    K[3] += stiffness * n_x * n_t
-    K[4] += stiffness * n_z * n_t
-    K[5] += stiffness * n_t * n_t + f_x * r_x + f_z * r_z
+    n_x, n_z = -stiffness * e_z, stiffness * e_x
+    n_t = -e_z * r_z - e_x * r_x  # how the attachment moves across the line when the plate turns
+    tt = stiffness * n_t * n_t + f_x * r_x + f_z * r_z
+    return f_x, f_z, r_z * f_x - r_x * f_z, -n_x * e_z, n_x * e_x, n_z * e_x, n_x * n_t, n_z * n_t, tt
