@@ -79,11 +79,11 @@ def start_chain(con, state):
     s, c = sincos(con[C_THETA0])
     first_block = N_HEAD
     for first in range(0, n, COLUMNS):
-        own = min(COLUMNS, n - first)
-        state[first_block + E_RIGHT : first_block + E_RIGHT + own] = con[C_THETA0]
-        for row in range(first_block + N_ENDS, first_block + N_ENDS + p * N_SAMPLES, N_SAMPLES):
-            state[row + G_NODE : row + G_NODE + own] = con[C_THETA0]
-            state[row + G_ANGLE : row + G_ANGLE + own] = con[C_THETA0]
+        for j in range(min(COLUMNS, n - first)):
+            state[first_block + E_RIGHT + j] = con[C_THETA0]
+            for row in range(first_block + N_ENDS, first_block + N_ENDS + p * N_SAMPLES, N_SAMPLES):
+                state[row + G_NODE + j] = con[C_THETA0]
+                state[row + G_ANGLE + j] = con[C_THETA0]
         first_block += N_ENDS + p * N_SAMPLES
     state[H_X], state[H_Z], state[H_THETA] = con[T_LENGTH] * c, -con[T_LENGTH] * s, con[C_THETA0]
     # tendons at rest pull along the beam, nearly; Newton corrects that
@@ -97,11 +97,12 @@ def newton_chain(con, state):
     """Take one Newton step."""
     p, n = int(con[C_ORDER]), int(con[C_COUNT])
     state[H_NEGATIVE] = 0.0
-    state[H_DX:H_WRENCH] = 0.0
-    _elements(con, state, p, n)
+    for i in range(H_DX, H_WRENCH):
+        state[i] = 0.0
     tip_wrench(
         con, state, state[H_X], state[H_Z], state[H_THETA], state[H_WRENCH:H_STIFFNESS], state[H_STIFFNESS:N_HEAD]
     )
+    _elements(con, state, p, n)
     inv, r, x, z = eliminate(con, state, p, n)
     step_x, step_z, turned, size = border(con, state, inv, r, x, z)
     size = max(size, turn_back(con, state, p, n, turned, step_x, step_z))
@@ -167,7 +168,8 @@ def solve_chain(con, loads, state, pose, status):
     pose : (n, 3), status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
     """
     for i in range(loads.shape[0]):
-        state[:N_LOADS] = loads[i]
+        for k in range(N_LOADS):
+            state[k] = loads[i, k]
         start_chain(con, state)
         status[i] = CONVERGED if _converge(con, state) else NOT_CONVERGED
         pose[i, 0], pose[i, 1], pose[i, 2] = state[H_X], state[H_Z], state[H_THETA]
