@@ -24,7 +24,15 @@ NECKS = {
     "upside down": SLENDER.replace(clamp_tilt=-0.3, gravity_tilt=3.0, mass_per_length=30.0),
 }
 UNEVEN = [3.0, 0.1, 1.0, 1.0, 0.02, 5.0, 1.0]
-BAD = [[np.nan, 1, 0, 0, 0, 1], [1, 2, np.inf, 0, 0, 1], [1e300, 0, 0, 0, 0, 1], [0, 0, 0, 0, -1e200, 1]]
+BAD = [
+    [np.nan, 1, 0, 0, 0, 1],
+    [1, np.nan, 0, 0, 0, 1],
+    [1, 2, np.inf, 0, 0, 1],
+    [1, 2, 0, np.nan, 0, 1],
+    [1, 2, 0, 0, np.nan, 1],
+    [1e300, 0, 0, 0, 0, 1],
+    [0, 0, 0, 0, -1e200, 1],
+]
 
 
 def chain_of(model: FiniteElementModel) -> Chain | None:

@@ -105,7 +105,8 @@ def newton_chain(con, state):
     _elements(con, state, p, n)
     inv, r, x, z = eliminate(con, state, p, n)
     step_x, step_z, turned, size = border(con, state, inv, r, x, z)
-    size = max(size, turn_back(con, state, p, n, turned, step_x, step_z))
+    largest = turn_back(con, state, p, n, turned, step_x, step_z)
+    size = largest if largest > size else size  # a nan, which comes from the tip, must stay
     # a step that does not shrink, or a large first one, may lead to another branch: not vouched for
     if size > min(LARGEST2, SHRINK2 * state[H_SIZE]) and size > TOLERANCE2:
         state[H_DOUBT] += 1.0

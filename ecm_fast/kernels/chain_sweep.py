@@ -57,7 +57,7 @@ __all__ = ["border", "eliminate", "turn_back"]
 
 @ordered_kernel
 def _less(a, b, c):
-    """A - b c, as it stands: in a recurrence the compiler must not move work between the steps."""
+    """Difference a - b c, as it stands: in a recurrence the compiler must not move work between the steps."""
     return a - b * c
 
 
