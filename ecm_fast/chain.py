@@ -3,10 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from .condensation import STRETCH, Columns, Guess
 from .discretization import Discretization
-from .kernels import chain, condensed
+from .kernels import chain
 from .kernels.chain_constants import condense_chain, constants_size
-from .kernels.layout import H_SIZE, N_LOADS
+from .kernels.layout import CONVERGED, H_SIZE, INVALID_INPUT, N_LOADS
+from .stepping import Step, System, robust_stepper
 
 __all__ = ["Chain"]
 
@@ -19,11 +21,9 @@ class Chain:
     Its constants are read only; every thread brings its own state.
     """
 
-    advance = staticmethod(chain.follow_chain)
-
     def __init__(self, mesh: Discretization, con: Array) -> None:
         self.con = con
-        self._state_size = chain.state_size(mesh.n_elements, mesh.order)
+        self.mesh = mesh
 
     @classmethod
     def of(cls, mesh: Discretization, stations: Array, tip: Array, q_rest: Array) -> "Chain | None":
@@ -31,18 +31,33 @@ class Chain:
         if mesh.gauss != mesh.order:
             return None
         con = np.empty(constants_size(mesh.n_elements, mesh.order))
-        fit = condensed.stretch_fit()
-        applies = condense_chain(stations, tip, q_rest, mesh.basis, mesh.turn, *fit, con)
+        applies = condense_chain(stations, tip, q_rest, mesh.basis, mesh.turn, STRETCH, con)
         return cls(mesh, con) if applies and np.isfinite(con).all() else None
 
-    def new_state(self, loads: Array | None = None) -> Array:
-        """Return work space for one thread; with loads (N_LOADS,), for `advance`, nothing solved yet."""
-        state = np.zeros(self._state_size)
+    def new_state(self) -> Array:
+        """Return work space for one thread, nothing solved yet."""
+        state = np.zeros(chain.state_size(self.mesh.n_elements, self.mesh.order))
         state[H_SIZE] = np.inf
-        if loads is not None:
-            state[:N_LOADS] = loads
         return state
 
-    def solve(self, loads: Array, pose: Array, status: NDArray[np.int64]) -> None:
-        """Solve rows of loads (n, N_LOADS) into pose (n, 3) and status (n,); see `kernels.chain`."""
-        chain.solve_chain(self.con, loads, self.new_state(), pose, status)
+    def solve(self, lam: Array, wrench: Array, last2: float, out: Columns, guess: Guess | None = None) -> None:
+        """Solve tendon forces (n, 2) under dead wrenches (n, 3) or (1, 3), as `Condensation.solve` does."""
+        chain.solve_chain(self.con, lam, wrench, last2, self.new_state(), *out)
+
+    def fit_guess(self, lam_max: float, wrench: Array) -> Guess | None:
+        """Return None: a chain always starts straight."""
+        return None
+
+    def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> Step:
+        """Return the control step; with derivatives it is the robust solver's, which has them."""
+        robust = robust_stepper(self.mesh, system, loads)
+        if derivatives:
+            return robust
+        con, state = self.con, self.new_state()
+        state[:N_LOADS] = loads
+
+        def step(lam_l: float, lam_r: float) -> tuple[float, float, float, int]:
+            result: tuple[float, float, float, int] = chain.follow_chain(con, state, last2, float(lam_l), float(lam_r))
+            return result if result[3] in (CONVERGED, INVALID_INPUT) else robust(lam_l, lam_r)
+
+        return step

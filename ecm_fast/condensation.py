@@ -1,7 +1,6 @@
 """The fast path of a model: which mechanisms it takes, and the kernels of its order."""
 
 import functools
-from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
@@ -12,11 +11,11 @@ from .discretization import Discretization
 from .kernels import condensed, start, stepper
 from .kernels.layout import CONVERGED, L_FX, L_GRAVITY, LANES, N_STATION, N_TIP, NOT_CONVERGED, R_FX, R_FZ, R_TAU
 from .kernels.stretch import stretch_polynomials
+from .stepping import Step, System
 
 __all__ = ["Columns", "Condensation", "Guess", "columns", "solve_mechanisms", "solve_nodes"]
 
 Array = NDArray[np.float64]
-Step = Callable[[float, float], tuple[float, float, float, int]]
 ORDERS = (3, 4, 5, 6)
 Columns = tuple[Array, Array, Array, NDArray[np.int64]]
 """x, z, theta, status of many cases."""
@@ -24,7 +23,7 @@ Guess = tuple[Array, float]
 """Coefficients of `kernels.start.guess`, and up to which tendon force they hold."""
 # a fit that is farther off than this, in rad and lengths, is a poor place to start from
 POOR = 0.02
-_STRETCH = stretch_polynomials()
+STRETCH = stretch_polynomials()
 
 
 class Condensation:
@@ -45,7 +44,7 @@ class Condensation:
         if not permits(mesh):
             return None
         con = np.empty(condensed.constants_size(mesh.order))
-        applies = condensed.condense(stations, tip, q_rest, mesh.turn, mesh.slopes, _STRETCH, con)
+        applies = condensed.condense(stations, tip, q_rest, mesh.turn, mesh.slopes, STRETCH, con)
         return cls(mesh, con) if applies and np.isfinite(con).all() else None
 
     def solve(self, lam: Array, wrench: Array, last2: float, out: Columns, guess: Guess | None = None) -> Array:
@@ -83,9 +82,7 @@ class Condensation:
             return None
         return np.ascontiguousarray(coefficients.T), lam_max
 
-    def stepper(
-        self, system: tuple[Array, Array, Array], loads: Array, last2: float, derivatives: bool, lam_max: float
-    ) -> Step:
+    def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> Step:
         """Return the compiled control step, see `kernels.stepper`; its arrays are attributes of the function.
 
         system : stations, tip, q_rest of the finite element model, for the robust solver
@@ -146,7 +143,7 @@ def solve_mechanisms(mesh: Discretization, par: Array, lam: Array, wrench: Array
     order = mesh.order
     con, state = np.empty(condensed.constants_size(order)), np.zeros(LANES * condensed.state_size(order))
     system = np.empty((order, N_STATION)), np.empty(N_TIP), np.empty(3 * (order + 1))
-    constants = mesh.mesh, mesh.nodes, mesh.turn, mesh.slopes, _STRETCH
+    constants = mesh.mesh, mesh.nodes, mesh.turn, mesh.slopes, STRETCH
     lanes = np.empty(LANES * con.size)
     kernels_of(mesh).solve_mechanisms(par, *constants, lam, wrench, last2, system, con, lanes, state, *out)
 
@@ -163,5 +160,5 @@ def solve_nodes(
     order = mesh.order
     con, state = np.empty(condensed.constants_size(order)), np.zeros(condensed.state_size(order))
     system = np.empty((order, N_STATION)), np.empty(N_TIP), np.empty(3 * (order + 1))
-    constants = mesh.mesh, mesh.nodes, mesh.turn, mesh.slopes, _STRETCH, mesh.tables
+    constants = mesh.mesh, mesh.nodes, mesh.turn, mesh.slopes, STRETCH, mesh.tables
     kernels_of(mesh).solve_nodes(par, *constants, lam, wrench, last2, system, con, state, q, status)

@@ -168,7 +168,7 @@ class FiniteElementModel:
         guess = fast.fit_guess(tensions.max(), dead[0]) if fast and len(dead) == 1 and n >= WORTH_A_GUESS else None
 
         def part(rows: slice) -> None:
-            own = tuple(column[rows] for column in out)
+            own = out[0][rows], out[1][rows], out[2][rows], out[3][rows]
             loads = tensions[rows], dead if len(dead) == 1 else dead[rows]
             if parameters is not None:
                 solve_mechanisms(mesh, par[rows], *loads, last2, own)

@@ -97,7 +97,7 @@ def sensitivities(
 
 
 def _sort(names: Sequence[str]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Return columns of EA, GA and EI (-1: not asked for), places of the others, and the columns in order of `names`."""
+    """Return columns of EA, GA, EI (-1: not asked for), places of the others, and the columns by `names`."""
     keys = [find(name).key for name in names]
     if len(set(keys)) < len(keys):
         raise InputError(f"a parameter is named twice in {', '.join(names)}")

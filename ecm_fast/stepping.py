@@ -11,17 +11,18 @@ from .kernels.layout import N_OUT
 from .kernels.newton import solve_work_size
 from .kernels.stepper import rescue
 
-__all__ = ["Step", "robust_stepper"]
+__all__ = ["Step", "System", "robust_stepper"]
 
 Array = NDArray[np.float64]
 Step = Callable[[float, float], tuple[float, float, float, int]]
 """x, z, theta, status by the forces of the left and the right tendon."""
+System = tuple[Array, Array, Array]
+"""stations, tip, q_rest of the finite element model, see `kernels.prepare`."""
 
 
-def robust_stepper(mesh: Discretization, system: tuple[Array, Array, Array], loads: Array) -> Step:
+def robust_stepper(mesh: Discretization, system: System, loads: Array) -> Step:
     """Return the control step of the robust solver; the derivatives are attributes of the function.
 
-    system : stations, tip, q_rest
     loads : (N_LOADS,)   the dead wrench, which stays; overwritten
     """
     stations, tip, q_rest = system

@@ -235,7 +235,8 @@ TIP = """\
     g_x, g_z = j_xx * h_xt + j_xz * h_zt, j_zx * h_xt + j_zz * h_zt
     q_x, q_z = c_xx * e_x + c_xz * e_z - gap_x, c_xz * e_x + c_zz * e_z - gap_z
     g_tt = h_tt - h_xt * (c_xx * g_x + c_xz * g_z) - h_zt * (c_xz * g_x + c_zz * g_z)
-    p_x, p_z = j_xx * e_x + j_xz * e_z + s_xx * gap_x + s_xz * gap_z, j_zx * e_x + j_zz * e_z + s_xz * gap_x + s_zz * gap_z
+    p_x = j_xx * e_x + j_xz * e_z + s_xx * gap_x + s_xz * gap_z
+    p_z = j_zx * e_x + j_zz * e_z + s_xz * gap_x + s_zz * gap_z
     pull = {tau} - g_x * q_x - g_z * q_z
 """
 

@@ -104,7 +104,7 @@ def _compile(function: Callable[..., Any], fastmath: set[str], *, forceinline: b
 
 
 @intrinsic
-def wide(typing_context: Any) -> Any:
+def _wide(typing_context: Any) -> Any:
     """Let the kernel that calls this use the widest vectors of the machine.
 
     LLVM keeps to half of them on processors that once lowered their clock for the full width; here the full width
@@ -118,10 +118,13 @@ def wide(typing_context: Any) -> Any:
     return types.none(), generate
 
 
+wide: Any = _wide  # what it is called with in a kernel is not what it is defined with
+
+
 @intrinsic
-def _pointer(typing_context: Any, address: Any) -> Any:
+def _pointer_at(typing_context: Any, address: Any) -> Any:
     """Turn an address into a pointer to numbers."""
-    pointer = types.CPointer(types.float64)
+    pointer: Any = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.inttoptr(arguments[0], context.get_value_type(pointer))
@@ -129,7 +132,11 @@ def _pointer(typing_context: Any, address: Any) -> Any:
     return pointer(types.int64), generate
 
 
+_pointer: Any = _pointer_at
+_carray: Any = numba.carray  # type: ignore[attr-defined]
+
+
 @register_jitable
 def array_at(address: int, size: int) -> Any:
     """Return the `size` numbers at `address` as an array; the caller answers for both."""
-    return numba.carray(_pointer(address), (size,))
+    return _carray(_pointer(address), (size,))

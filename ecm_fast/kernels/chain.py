@@ -23,7 +23,7 @@ from ._jit import kernel
 from .chain_element import assemble, dense_size, eliminate_inner
 from .chain_section import linear_elements, samples
 from .chain_sweep import border, eliminate, turn_back
-from .condensed import LARGEST2, MAX_STEPS, SHRINK2, TOLERANCE2
+from .condensed import LARGEST2, MAX_STEPS, ROUNDING2, SHRINK2
 from .layout import (
     C_BASIS,
     C_COUNT,
@@ -48,12 +48,12 @@ from .layout import (
     INVALID_INPUT,
     L_FX,
     L_FZ,
+    L_GRAVITY,
     L_LAM_L,
     L_LAM_R,
     N_BEAM,
     N_ENDS,
     N_HEAD,
-    N_LOADS,
     N_SAMPLES,
     NOT_CONVERGED,
     T_LENGTH,
@@ -108,7 +108,7 @@ def newton_chain(con, state):
     largest = turn_back(con, state, p, n, turned, step_x, step_z)
     size = largest if largest > size else size  # a nan, which comes from the tip, must stay
     # a step that does not shrink, or a large first one, may lead to another branch: not vouched for
-    if size > min(LARGEST2, SHRINK2 * state[H_SIZE]) and size > TOLERANCE2:
+    if size > min(LARGEST2, SHRINK2 * state[H_SIZE]) and size > ROUNDING2:
         state[H_DOUBT] += 1.0
     if state[H_NEGATIVE] != 2.0:
         state[H_DOUBT] += 1.0
@@ -140,7 +140,7 @@ def _elements(con, state, p, n):
 
 
 @kernel
-def _converge(con, state):
+def _converge(con, state, last2):
     """Newton's iteration; returns whether the chain holds a stable equilibrium that it vouches for.
 
     The rules are those of `condensed.vouches`. Where it does not vouch, that is no verdict.
@@ -148,36 +148,37 @@ def _converge(con, state):
     state[H_SIZE], state[H_DOUBT] = np.inf, 0.0
     for _ in range(MAX_STEPS):
         newton_chain(con, state)
-        if not state[H_SIZE] > TOLERANCE2 or state[H_DOUBT] > 0.0:
+        if not state[H_SIZE] > last2 or state[H_DOUBT] > 0.0:
             break
-    return vouches_chain(state)
+    return vouches_chain(state, last2)
 
 
 @kernel
-def vouches_chain(state):
-    """Whether the state holds a stable equilibrium."""
-    return state[H_SIZE] < TOLERANCE2 and state[H_DOUBT] == 0.0
+def vouches_chain(state, last2):
+    """Whether the state holds a stable equilibrium, the squared size of the last step at most `last2`."""
+    return state[H_SIZE] <= last2 and state[H_DOUBT] == 0.0
 
 
 @kernel
-def solve_chain(con, loads, state, pose, status):
+def solve_chain(con, lam, wrench, last2, state, x, z, theta, status):
     """Solve load cases one after another, each from the straight beam.
 
     con : constants, see `chain_constants.condense_chain`
-    loads : (n, N_LOADS), of which the share of gravity must be 1
+    lam : (n, 2), wrench : (n, 3) or (1, 3), last2 : largest squared last step
     state : (state_size,)   work space
-    pose : (n, 3), status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
+    x, z, theta, status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
     """
-    for i in range(loads.shape[0]):
-        for k in range(N_LOADS):
-            state[k] = loads[i, k]
+    last_wrench = wrench.shape[0] - 1
+    state[L_GRAVITY] = 1.0
+    for i in range(lam.shape[0]):
+        state[:L_FX], state[L_FX:L_GRAVITY] = lam[i], wrench[min(i, last_wrench)]
         start_chain(con, state)
-        status[i] = CONVERGED if _converge(con, state) else NOT_CONVERGED
-        pose[i, 0], pose[i, 1], pose[i, 2] = state[H_X], state[H_Z], state[H_THETA]
+        status[i] = CONVERGED if _converge(con, state, last2) else NOT_CONVERGED
+        x[i], z[i], theta[i] = state[H_X], state[H_Z], state[H_THETA]
 
 
 @kernel
-def follow_chain(con, state, lam_l, lam_r):
+def follow_chain(con, state, last2, lam_l, lam_r):
     """Follow one load case to new tendon forces; starts again from the straight beam where that fails.
 
     Returns x, z, theta, status; the pose is nan where the status is not CONVERGED.
@@ -185,10 +186,10 @@ def follow_chain(con, state, lam_l, lam_r):
     state[L_LAM_L], state[L_LAM_R] = lam_l, lam_r
     if not (0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf):
         return np.nan, np.nan, np.nan, INVALID_INPUT
-    found = vouches_chain(state) and _converge(con, state)
+    found = vouches_chain(state, last2) and _converge(con, state, last2)
     if not found:
         start_chain(con, state)
-        found = _converge(con, state)
+        found = _converge(con, state, last2)
     if found:
         return state[H_X], state[H_Z], state[H_THETA], CONVERGED
     return np.nan, np.nan, np.nan, NOT_CONVERGED

@@ -1,7 +1,7 @@
 """From the constants of the finite element model to those of the chain of elements."""
 
 from ._jit import kernel
-from .condensed import HIGHEST, LOWEST, condense
+from .condensed import put_head
 from .layout import (
     B_BEND,
     B_BEYOND_X,
@@ -16,10 +16,8 @@ from .layout import (
     C_BASIS,
     C_COUNT,
     C_ORDER,
-    C_STATION,
     COLUMNS,
     N_BEAM,
-    N_POINT,
     S_EA,
     S_EI,
     S_GA,
@@ -31,6 +29,7 @@ from .layout import (
     S_OFFSET,
     S_WEIGHT,
 )
+from .stretch import HALF
 
 __all__ = ["condense_chain", "constants_size"]
 
@@ -38,17 +37,17 @@ __all__ = ["condense_chain", "constants_size"]
 def constants_size(n_elements: int, order: int) -> int:
     """Return how many constants a chain has."""
     blocks = -(-n_elements // COLUMNS)
-    return max(C_BASIS + 2 * order * (order + 1) + blocks * order * N_BEAM, C_STATION + N_POINT + 1)
+    return C_BASIS + 2 * order * (order + 1) + blocks * order * N_BEAM
 
 
 @kernel
-def condense_chain(stations, tip, q_rest, basis, turn, fit_at, to_stretch, to_slope, con):
+def condense_chain(stations, tip, q_rest, basis, turn, stretch, con):
     """Constants of the chain, from those of the finite element model.
 
     stations : (n_elements * p, N_STATION), tip : (N_TIP,), q_rest : (3 n_nodes,)   see `prepare`
     basis : (2 or more, p, p + 1)   shape functions and their derivatives at the Gauss points
     turn : (p, p)   integrals of the polynomials that are 1 at one Gauss point up to each, for length 1 [-]
-    fit_at, to_stretch, to_slope : see `condensed.stretch_fit`
+    stretch : see `stretch.stretch_polynomials`
     con : (constants_size,)   overwritten
 
     Returns whether the formulation applies: the section's laws are uncoupled and the axial one is the same along
@@ -56,9 +55,8 @@ def condense_chain(stations, tip, q_rest, basis, turn, fit_at, to_stretch, to_sl
     """
     p = basis.shape[1]
     n = stations.shape[0] // p
-    # what both formulations share comes first
-    condense(stations[:1], tip, q_rest, turn[:1, :1], fit_at, to_stretch, to_slope, con)
-    con[C_STATION:] = 0.0
+    con[:] = 0.0
+    put_head(stations[0, S_HOOKE], tip, q_rest[2], stretch, con)
     con[C_ORDER], con[C_COUNT] = p, n
     i = C_BASIS
     for table in range(2):
@@ -66,7 +64,6 @@ def condense_chain(stations, tip, q_rest, basis, turn, fit_at, to_stretch, to_sl
             for a in range(p + 1):
                 con[i] = basis[table, g, a]
                 i += 1
-    half = 0.5 * (HIGHEST - LOWEST)
     next_compliance = 0.0
     load_x, load_z = 0.0, 0.0  # of all elements beyond
     applies = True
@@ -85,7 +82,7 @@ def condense_chain(stations, tip, q_rest, basis, turn, fit_at, to_stretch, to_sl
                 beyond_z += share * own[k, S_LOAD_Z]
             compliance += w / row[S_EI]
             point = points[g * N_BEAM + j :]
-            point[B_WEIGHT], point[B_SCALE] = w, 1.0 / (row[S_EA] * half)
+            point[B_WEIGHT], point[B_SCALE] = w, 1.0 / (row[S_EA] * HALF)
             point[B_BY_N], point[B_BY_Q] = 1.0 / row[S_EA], 1.0 / row[S_GA]
             point[B_BEYOND_X], point[B_BEYOND_Z] = beyond_x, beyond_z
             point[B_BEND] = w * row[S_EI] * inv_h * inv_h

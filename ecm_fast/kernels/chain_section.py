@@ -16,8 +16,6 @@ from .layout import (
     B_UNIT,
     B_WEIGHT,
     C_SHIFT,
-    C_SLOPE,
-    C_STRETCH,
     E_LL,
     E_LR,
     E_RES_L,
@@ -43,58 +41,13 @@ from .layout import (
     H_FORCE_X,
     H_FORCE_Z,
     N_ENDS,
-    N_SLOPE,
-    N_STRETCH,
 )
+from .stretch import stretch_at
+from .trig import NEAR, sincos_near
 
-__all__ = ["COS", "MAX_ANGLE", "SIN", "linear_elements", "samples"]
+__all__ = ["linear_elements", "samples"]
 
 NODE = N_ENDS + G_NODE
-# Polynomials in t^2 for sin t / t and cos t: those of the condensed steps, which see no angle beyond this one [rad]
-MAX_ANGLE = 1.6
-SIN = (
-    0.9999999999999999,
-    -0.166666666666659,
-    0.00833333333327031,
-    -0.000198412698215638,
-    2.7557316196951017e-06,
-    -2.505185572558516e-08,
-    1.6047346685140787e-10,
-    -7.364331601228968e-13,
-)
-COS = (
-    1.0,
-    -0.49999999999999967,
-    0.04166666666666307,
-    -0.0013888888888744474,
-    2.4801587272556152e-05,
-    -2.755731594453267e-07,
-    2.087653924157399e-09,
-    -1.1462309288889073e-11,
-    4.602690920668355e-14,
-)
-S0, S1, S2, S3, S4, S5, S6, S7 = SIN
-C0, C1, C2, C3, C4, C5, C6, C7, C8 = COS
-
-
-@step_kernel
-def _sincos(t):
-    """Sine, cosine and squared angle, without reduction: for |t| up to `MAX_ANGLE`."""
-    t2 = t * t
-    t4 = t2 * t2
-    s = t * ((S0 + t4 * (S2 + t4 * (S4 + t4 * S6))) + t2 * (S1 + t4 * (S3 + t4 * (S5 + t4 * S7))))
-    c = (C0 + t4 * (C2 + t4 * (C4 + t4 * (C6 + t4 * C8)))) + t2 * (C1 + t4 * (C3 + t4 * (C5 + t4 * C7)))
-    return s, c, t2
-
-
-@step_kernel
-def _polynomial(con, first, n, u, u2):
-    """Polynomial in u with an odd number of coefficients: two Horner chains in u^2, half as deep as one."""
-    even, odd = con[first + n - 1], con[first + n - 2]
-    for k in range(n // 2 - 1):
-        even = con[first + n - 3 - 2 * k] + u2 * even
-        odd = con[first + n - 4 - 2 * k] + u2 * odd
-    return con[first] + u2 * even + u * odd
 
 
 @step_kernel
@@ -104,14 +57,13 @@ def _section(con, points, j, angle, f_x, f_z):
     Returns, each times the weight: derivative of the residual by the angle, residual, its derivatives by the force,
     slope r', compliance xx, xz, zz; and more than 0 where a polynomial does not hold.
     """
-    s, c, t2 = _sincos(angle)
+    s, c = sincos_near(angle)
     w, by_Q = points[B_WEIGHT + j], points[B_BY_Q + j]
     n_x, n_z = f_x + points[B_BEYOND_X + j], f_z + points[B_BEYOND_Z + j]
     N, Q = n_x * c - n_z * s, n_x * s + n_z * c
     u = N * points[B_SCALE + j] + con[C_SHIFT]
-    u2 = u * u
-    stretch = _polynomial(con, C_STRETCH, N_STRETCH, u, u2)
-    by_N = points[B_BY_N + j] * _polynomial(con, C_SLOPE, N_SLOPE, u, u2)
+    stretch, slope = stretch_at(con, 1, 0, u)
+    by_N = points[B_BY_N + j] * slope
     shear = Q * by_Q
     along, across = w * (Q * by_N - shear), w * (stretch - N * by_Q)
     slope = N * across - Q * along
@@ -119,7 +71,7 @@ def _section(con, points, j, angle, f_x, f_z):
     res = w * (Q * stretch - N * shear)
     d_x, d_z = w * (stretch * c + shear * s), w * (shear * c - stretch * s)
     w_N, w_Q = w * by_N, w * by_Q
-    outside = (0.0 if u2 <= 1.0 else 1.0) + (0.0 if t2 <= MAX_ANGLE * MAX_ANGLE else 1.0)
+    outside = (0.0 if u * u <= 1.0 else 1.0) + (0.0 if angle * angle <= NEAR * NEAR else 1.0)
     c_xx, c_xz, c_zz = c * c * w_N + s * s * w_Q, s * c * (w_Q - w_N), s * s * w_N + c * c * w_Q
     return slope, res, b_x, b_z, d_x, d_z, c_xx, c_xz, c_zz, outside
 

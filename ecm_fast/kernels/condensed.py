@@ -75,6 +75,7 @@ __all__ = [
     "constants_size",
     "judge",
     "nodes_of",
+    "put_head",
     "put_load",
     "settled",
     "state_size",
@@ -102,6 +103,16 @@ def state_size(order: int) -> int:
 
 
 @kernel
+def put_head(hooke, tip, theta0, stretch, con):
+    """Put the constants before `C_STATION`, which do not depend on the mesh; arguments as in `condense`."""
+    length = tip[T_LENGTH]
+    con[:N_TIP] = tip
+    con[C_THETA0], con[C_TIP], con[C_SHIFT] = theta0, theta0, SHIFT
+    con[C_INV_LENGTH2], con[C_INV_FORCE2] = 1.0 / (length * length), (FORCE_SHARE / tip[T_BENDING_FORCE]) ** 2
+    con[C_STRETCH:C_STATION] = stretch[1 if hooke > 0.5 else 0]
+
+
+@kernel
 def condense(stations, tip, q_rest, turn, slopes, stretch, con):
     """Constants of the condensed formulation, from those of the finite element model.
 
@@ -114,12 +125,8 @@ def condense(stations, tip, q_rest, turn, slopes, stretch, con):
     Returns whether the formulation applies: the section's laws are uncoupled and the axial one is the same along
     the beam.
     """
-    p = stations.shape[0]
-    length, theta0 = tip[T_LENGTH], q_rest[2]
-    con[:N_TIP] = tip
-    con[C_THETA0], con[C_INV_LENGTH2], con[C_SHIFT] = theta0, 1.0 / (length * length), SHIFT
-    con[C_INV_FORCE2] = (FORCE_SHARE / tip[T_BENDING_FORCE]) ** 2
-    con[C_STRETCH:C_STATION] = stretch[1 if stations[0, S_HOOKE] > 0.5 else 0]
+    p, length, theta0 = stations.shape[0], tip[T_LENGTH], q_rest[2]
+    put_head(stations[0, S_HOOKE], tip, theta0, stretch, con)
     con[C_STATION:] = 0.0
     K = con[C_STATION + N_POINT * p :]
     applies, shares = True, 0.0

@@ -79,7 +79,8 @@ def solve(con, cr, cl, state, sr, j, keep):
     g_x, g_z = j_xx * h_xt + j_xz * h_zt, j_zx * h_xt + j_zz * h_zt
     q_x, q_z = c_xx * e_x + c_xz * e_z - gap_x, c_xz * e_x + c_zz * e_z - gap_z
     g_tt = h_tt - h_xt * (c_xx * g_x + c_xz * g_z) - h_zt * (c_xz * g_x + c_zz * g_z)
-    p_x, p_z = j_xx * e_x + j_xz * e_z + s_xx * gap_x + s_xz * gap_z, j_zx * e_x + j_zz * e_z + s_xz * gap_x + s_zz * gap_z
+    p_x = j_xx * e_x + j_xz * e_z + s_xx * gap_x + s_xz * gap_z
+    p_z = j_zx * e_x + j_zz * e_z + s_xz * gap_x + s_zz * gap_z
     pull = state[sr * 15 + j] - g_x * q_x - g_z * q_z
     b0 = t0 * pull - (con[cr * 91 + cl] * o0 + con[cr * 92 + cl] * o1 + con[cr * 94 + cl] * o2 + con[cr * 97 + cl] * o3 + con[cr * 101 + cl] * o4 + con[cr * 106 + cl] * o5 - con[cr * 49 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
     b1 = t1 * pull - (con[cr * 92 + cl] * o0 + con[cr * 93 + cl] * o1 + con[cr * 95 + cl] * o2 + con[cr * 98 + cl] * o3 + con[cr * 102 + cl] * o4 + con[cr * 107 + cl] * o5 - con[cr * 57 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z

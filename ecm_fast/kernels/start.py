@@ -25,7 +25,7 @@ def unknowns(order: int) -> list[int]:
     return [_unknown.py_func(i) for i in range(5 + order)]
 
 
-def monomials(u, v):
+def monomials(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Return the monomials of `guess`, (n, N_GUESS), at scaled tendon forces (n,)."""
     return np.stack([u**i * v**k for i in range(6) for k in range(6 - i)], axis=1)
 
