@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .discretization import Discretization
     from .effects import CATALOGUE, Effect
     from .equilibrium import BatchResult, Equilibrium, Status
-    from .errors import EcmError, InputError, NotConverged, OutOfRangeWarning
+    from .errors import EcmError, InputError, NotConverged, OutOfRangeWarning, OutOfReach
     from .mechanism import Beam, Effects, Gravity, Head, Mechanism, Tendons
     from .model import FiniteElementModel
     from .parameters import PARAMETERS, pack, unpack
@@ -30,7 +30,7 @@ _HOME = {
     "discretization": ("Discretization",),
     "effects": ("CATALOGUE", "Effect"),
     "equilibrium": ("BatchResult", "Equilibrium", "Status"),
-    "errors": ("EcmError", "InputError", "NotConverged", "OutOfRangeWarning"),
+    "errors": ("EcmError", "InputError", "NotConverged", "OutOfRangeWarning", "OutOfReach"),
     "mechanism": ("Beam", "Effects", "Gravity", "Head", "Mechanism", "Tendons"),
     "model": ("FiniteElementModel",),
     "parameters": ("PARAMETERS", "pack", "unpack"),

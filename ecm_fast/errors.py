@@ -2,6 +2,7 @@
 
     EcmError
     ├── InputError      what came in cannot be right: names the place, the value and what is allowed
+    ├── OutOfReach      no allowed tendon forces meet a wish: names the nearest
     └── NotConverged    a solve was asked to vouch for its result and could not
 
     UserWarning
@@ -13,7 +14,17 @@ Kernels never raise: they return a status, and `Equilibrium.raise_if_failed` is 
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-__all__ = ["EcmError", "InputError", "NotConverged", "OutOfRangeWarning", "did_you_mean", "key_shown", "shown", "why"]
+__all__ = [
+    "EcmError",
+    "InputError",
+    "NotConverged",
+    "OutOfRangeWarning",
+    "OutOfReach",
+    "did_you_mean",
+    "key_shown",
+    "shown",
+    "why",
+]
 
 
 class EcmError(Exception):
@@ -22,6 +33,10 @@ class EcmError(Exception):
 
 class InputError(EcmError, ValueError):
     """Input that cannot be right; the text is one line with the place, the value and the cure."""
+
+
+class OutOfReach(EcmError):  # noqa: N818  as below
+    """No allowed tendon forces meet a wish; the text gives the nearest that can be had."""
 
 
 class NotConverged(EcmError):  # noqa: N818  the name says what happened, as `StopIteration` does

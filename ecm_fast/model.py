@@ -11,6 +11,7 @@ from .condensation import Columns, Condensation, columns, solve_mechanisms
 from .discretization import Discretization
 from .equilibrium import BatchResult, Equilibrium, Status
 from .errors import InputError, shown
+from .inverse import Inverse
 from .kernels.batch import solve_many
 from .kernels.layout import (
     L_FX,
@@ -83,6 +84,7 @@ class FiniteElementModel:
         self._par = pack(self.mechanism)
         self._system = _work_arrays(self.discretization)
         stations, tip, q_rest, _, _ = self._system
+        self._inverse: tuple[tuple[float, ...], Inverse] | None = None
         prepare(self._par, self.discretization.mesh, self.discretization.nodes, stations, tip, q_rest)
 
     @cached_property
@@ -221,6 +223,42 @@ class FiniteElementModel:
         tensions, dead = _many_loads(lam, wrench)
         par = self._par[None] if parameters is None else _parameters(parameters, len(tensions))
         return sensitivities(self.discretization, names, par, tensions, dead, _last_step(tolerance))
+
+    def inverse(
+        self,
+        *,
+        theta: float | None = None,
+        x: float | None = None,
+        z: float | None = None,
+        co_contraction: float | None = None,
+        wrench: ArrayLike = (0.0, 0.0, 0.0),
+        lam_max: float = 160.0,
+    ) -> Array:
+        """Return the tendon forces (2,) [N] that meet two wishes.
+
+        Parameters
+        ----------
+        theta, x, z : tip angle and position [rad, m, m]
+        co_contraction : mean of both tendon forces [N]
+        wrench : (3,) dead wrench at Q [N, N, N m]
+        lam_max : largest allowed tendon force [N]; the smallest is 0
+
+        Raises
+        ------
+        OutOfReach : no allowed forces meet both; the text gives the nearest that can be had and its forces.
+        InputError : not two wishes, or a number that is not finite.
+        """
+        if not 0.0 < lam_max < np.inf:
+            raise InputError(f"lam_max = {shown(lam_max)}: allowed is a positive number")
+        loads = _one_load(np.zeros(2), wrench)
+        key = (*loads.tolist(), float(lam_max))
+        if self._inverse is None or self._inverse[0] != key:
+            side = np.linspace(0.0, lam_max, 9)
+            grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+            poses = self.solve_batch(grid, wrench).pose
+            step = self.stepper(wrench, tolerance=1e-12, derivatives=True)
+            self._inverse = key, Inverse(step, grid, poses, self.mechanism.beam.length, lam_max)
+        return self._inverse[1](theta=theta, x=x, z=z, co_contraction=co_contraction)
 
     def stepper(
         self,
