@@ -29,8 +29,9 @@ from .kernels.layout import (
 from .kernels.newton import solve, solve_work_size
 from .kernels.prepare import prepare
 from .kernels.sensitivity import tip_derivatives
+from .loads import last_step, many_loads, one_load, parameter_rows
 from .mechanism import Mechanism
-from .parameters import PARAMETERS, pack
+from .parameters import pack
 from .sensitivity import Sensitivities, sensitivities
 from .stepping import Step, robust_stepper
 
@@ -39,10 +40,8 @@ __all__ = ["FiniteElementModel"]
 Array = NDArray[np.float64]
 # fewer cases than this do not pay for fitting where they start
 WORTH_A_GUESS = 2048
-
-
-# Newton's method leaves at most this times the square of its last step (measured: 0.3 for tendons, 4 for wrenches)
-QUADRATIC, MIN_TOLERANCE = 10.0, 1e-13
+# largest error of one element by its order, over the wrench box and the tendon forces of the paper, slender neck
+ERRORS = {3: 2e-4, 4: 1e-5, 5: 5e-7, 6: 1e-8}
 
 
 class FiniteElementModel:
@@ -52,13 +51,16 @@ class FiniteElementModel:
     ----------
     mechanism : what is built
     elements : how many elements, or their relative lengths from the clamp; default one
-    order : of the Lagrange shape functions, 1 to 6
+    order : of the Lagrange shape functions, 1 to 6; default what `accuracy` needs
     gauss : Gauss points per element; default as many as the order, which neither locks nor wastes
+    accuracy : largest error of the tip pose, in rad and shares of the length, that the discretization may leave where
+        a mechanism like the presets is driven by tendons up to 160 N or wrenches up to (330 N, 80 N, 11 N m); chooses
+        the order of one element: 3 to 6 for 2e-4, 1e-5, 5e-7 and 1e-8
 
     Notes
     -----
-    The default, one element of order 5, leaves an error below 1e-8 (m, rad) wherever tendon forces up to 160 N
-    drive the neck. One element of order 3 to 6 is solved on the fast path of `kernels.condensed`, any other number and
+    The default, one element of order 5, leaves an error below 1e-6, and below 1e-9 where tendons alone drive the neck.
+    One element of order 3 to 6 is solved on the fast path of `kernels.condensed`, any other number and
     order on that of `kernels.chain`, and what neither takes or vouches for by `kernels.newton`: the same discrete
     equations, the same solution to rounding. ``elements=20, order=1`` is the paper's discretization.
 
@@ -76,11 +78,13 @@ class FiniteElementModel:
         self,
         mechanism: Mechanism | None = None,
         elements: int | ArrayLike = 1,
-        order: int = 5,
+        order: int | None = None,
         gauss: int | None = None,
+        *,
+        accuracy: float = 1e-6,
     ) -> None:
         self.mechanism = Mechanism() if mechanism is None else mechanism
-        self.discretization = Discretization.of(elements, order, gauss)
+        self.discretization = Discretization.of(elements, _order(accuracy) if order is None else order, gauss)
         self._par = pack(self.mechanism)
         self._system = _work_arrays(self.discretization)
         stations, tip, q_rest, _, _ = self._system
@@ -111,7 +115,7 @@ class FiniteElementModel:
         ------
         InputError : a shape is wrong, or a number is not finite or negative where it may not be.
         """
-        loads = _one_load(lam, wrench)
+        loads = one_load(lam, wrench)
         bad = ~np.isfinite(loads)
         if bad.any():
             name = ("lam_l", "lam_r", "fx", "fz", "tau")[int(np.argmax(bad))]
@@ -162,9 +166,9 @@ class FiniteElementModel:
         ------
         InputError : a shape is wrong, or a tendon force is negative; names the row.
         """
-        tensions, dead = _many_loads(lam, wrench)
-        n, mesh, last2 = len(tensions), self.discretization, _last_step(tolerance)
-        par = self._par[None] if parameters is None else _parameters(parameters, n)
+        tensions, dead = many_loads(lam, wrench)
+        n, mesh, last2 = len(tensions), self.discretization, last_step(tolerance)
+        par = self._par[None] if parameters is None else parameter_rows(parameters, n)
         out, factor = columns(n), np.ones(n)
         fast = self._condensed if parameters is None else None
         guess = fast.fit_guess(tensions.max(), dead[0]) if fast and len(dead) == 1 and n >= WORTH_A_GUESS else None
@@ -220,9 +224,9 @@ class FiniteElementModel:
         ------
         InputError : no such parameter, or as `solve_batch` does.
         """
-        tensions, dead = _many_loads(lam, wrench)
-        par = self._par[None] if parameters is None else _parameters(parameters, len(tensions))
-        return sensitivities(self.discretization, names, par, tensions, dead, _last_step(tolerance))
+        tensions, dead = many_loads(lam, wrench)
+        par = self._par[None] if parameters is None else parameter_rows(parameters, len(tensions))
+        return sensitivities(self.discretization, names, par, tensions, dead, last_step(tolerance))
 
     def inverse(
         self,
@@ -250,7 +254,7 @@ class FiniteElementModel:
         """
         if not 0.0 < lam_max < np.inf:
             raise InputError(f"lam_max = {shown(lam_max)}: allowed is a positive number")
-        loads = _one_load(np.zeros(2), wrench)
+        loads = one_load(np.zeros(2), wrench)
         key = (*loads.tolist(), float(lam_max))
         if self._inverse is None or self._inverse[0] != key:
             side = np.linspace(0.0, lam_max, 9)
@@ -283,7 +287,7 @@ class FiniteElementModel:
         lam_max : above 0, a call depends on nothing but its arguments: within ``[0, lam_max]`` N it starts from a
             polynomial fitted now, and takes one or two Newton steps whatever the call before was
         """
-        loads, last2 = _one_load(np.zeros(2), wrench), _last_step(tolerance)
+        loads, last2 = one_load(np.zeros(2), wrench), last_step(tolerance)
         stations, tip, q_rest, _, _ = self._system
         if self._condensed is not None:
             return self._condensed.stepper((stations, tip, q_rest), loads, last2, derivatives, lam_max)
@@ -315,52 +319,10 @@ def _in_threads(part: Callable[[slice], None], n: int, threads: int) -> None:
         list(pool.map(part, chunks))
 
 
-def _parameters(values: ArrayLike, n: int) -> Array:
-    """Return parameter vectors (n, n_parameters), or raise where they cannot be meant; names row and parameter."""
-    par = _numbers("parameters", values)
-    if par.shape != (n, len(PARAMETERS)):
-        raise InputError(f"parameters has shape {par.shape}: allowed is ({n}, {len(PARAMETERS)})")
-    lower, upper = (np.array([getattr(entry, bound) for entry in PARAMETERS]) for bound in ("lower", "upper"))
-    outside = ~((par >= lower) & (par <= upper))
-    if outside.any():
-        row, place = np.argwhere(outside)[0]
-        entry = PARAMETERS[place]
-        raise InputError(f"row {row} of parameters: {entry.key} = {par[row, place]}: allowed is {entry.allowed}")
-    return par
-
-
-def _last_step(tolerance: float) -> float:
-    """Return the largest squared last step that leaves an error of at most `tolerance`."""
-    if not MIN_TOLERANCE <= tolerance <= 1e-3:
-        raise InputError(f"tolerance = {shown(tolerance)}: allowed is a number from {MIN_TOLERANCE:g} to 1e-3")
-    return tolerance / QUADRATIC
-
-
-def _numbers(name: str, values: ArrayLike) -> Array:
-    """Return values as a contiguous array of at least one axis."""
-    try:
-        return np.atleast_1d(np.ascontiguousarray(values, dtype=np.float64))
-    except (TypeError, ValueError):
-        raise InputError(f"{name} = {shown(values)}: allowed is an array of numbers") from None
-
-
-def _many_loads(lam: ArrayLike, wrench: ArrayLike | None) -> tuple[Array, Array]:
-    """Return tendon forces (n, 2) and dead wrenches (n, 3) or, where all are the same, (1, 3); or raise."""
-    tensions = _numbers("tendon forces", lam)
-    dead = np.zeros(3) if wrench is None else _numbers("wrenches", wrench)
-    if tensions.ndim != 2 or tensions.shape[1] != 2:
-        raise InputError(f"tendon forces have shape {tensions.shape}: allowed is two, left and right, a case")
-    if dead.shape not in {(3,), (len(tensions), 3)}:
-        raise InputError(f"wrenches have shape {dead.shape}: allowed is ({len(tensions)}, 3): fx, fz, tau a case")
-    if tensions.min(initial=0.0) < 0.0:
-        row, side = np.argwhere(tensions < 0.0)[0]
-        raise InputError(
-            f"lam_{'lr'[side]} = {tensions[row, side]} N in row {row}: allowed is >= 0, a tendon only pulls"
-        )
-    return tensions, np.atleast_2d(dead)
-
-
-def _one_load(lam: ArrayLike, wrench: ArrayLike) -> Array:
-    """Return the kernels' loads of one case, (N_LOADS,), or raise where they cannot be meant."""
-    tensions, dead = _many_loads(_numbers("tendon forces", lam)[None], _numbers("wrench", wrench)[None])
-    return np.concatenate([tensions[0], dead[0], [1.0]])
+def _order(accuracy: float) -> int:
+    """Return the lowest order that keeps an accuracy."""
+    for order, error in ERRORS.items():
+        if error <= accuracy:
+            return order
+    least = min(ERRORS.values())
+    raise InputError(f"accuracy = {shown(accuracy)}: allowed is a number from {least:g} up; below, give more elements")
