@@ -66,16 +66,14 @@ class Condensation:
 
         None where the fast path does not vouch for the 64 solutions they are fitted to.
         """
-        side = 8
-        u = np.cos(np.pi * (np.arange(side) + 0.5) / side)
-        u, v = (grid.ravel() for grid in np.meshgrid(u, u))
-        lam = 0.5 * lam_max * (1.0 + np.stack([u, v], axis=1))
+        at, basis, to_coefficients = _guess_fit()
+        lam = 0.5 * lam_max * (1.0 + at)
         out = columns(LANES)
         state = self.solve(lam, wrench[None], 1e-13, out).reshape(-1, LANES)
         if (out[3] != CONVERGED).any():
             return None
-        rows, basis = state[start.unknowns(self.mesh.order)].T, start.monomials(u, v)
-        coefficients = np.linalg.lstsq(basis, rows, rcond=None)[0]
+        rows = state[start.unknowns(self.mesh.order)].T
+        coefficients = to_coefficients @ rows
         scale = np.abs(rows).max(axis=0)
         scale[start.ANGLES :] = 1.0
         if np.any(np.abs(basis @ coefficients - rows) > POOR * scale):
@@ -107,6 +105,15 @@ class Condensation:
         step.jacobian, step.compliance = parts["jacobian"], parts["compliance"]
         result: Step = step
         return result
+
+
+@functools.cache
+def _guess_fit() -> tuple[Array, Array, Array]:
+    """Return scaled tendon forces to fit at, (LANES, 2), the monomials there, and the least squares fit to them."""
+    u = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
+    at = np.stack(np.meshgrid(u, u), axis=-1).reshape(LANES, 2)
+    basis = start.monomials(at[:, 0], at[:, 1])
+    return at, basis, np.linalg.pinv(basis)
 
 
 def permits(mesh: Discretization) -> bool:

@@ -39,7 +39,7 @@ __all__ = ["FiniteElementModel"]
 
 Array = NDArray[np.float64]
 # fewer cases than this do not pay for fitting where they start
-WORTH_A_GUESS = 2048
+WORTH_A_GUESS = 1024
 # largest error of one element by its order, over the wrench box and the tendon forces of the paper, slender neck
 ERRORS = {3: 2e-4, 4: 1e-5, 5: 5e-7, 6: 1e-8}
 

@@ -33,11 +33,13 @@ from .layout import (
     C_STRETCH,
     C_THETA0,
     C_TIP,
+    CONVERGED,
     LANES,
     N_KEPT,
     N_POINT,
     N_SECTION,
     N_TIP,
+    NOT_CONVERGED,
     P_THETA,
     R_EXTREME,
     R_FORCE_X,
@@ -71,6 +73,7 @@ from .stretch import HALF, SHIFT, stretch_at
 from .trig import sincos
 
 __all__ = [
+    "collect",
     "condense",
     "constants_size",
     "judge",
@@ -213,11 +216,25 @@ def vouches(state, sr, j, last2):
 @kernel
 def settled(state, last2):
     """Whether every lane's last step is small enough, of those that can still be vouched for."""
-    largest = 0.0
+    size = state[LANES * R_SIZE : LANES * (R_SIZE + 1)]
+    extreme = state[LANES * R_EXTREME : LANES * (R_EXTREME + 1)]
+    open_lanes = 0
     for j in range(LANES):
-        size = state[LANES * R_SIZE + j] if state[LANES * R_EXTREME + j] <= 1.0 else 0.0
-        largest = size if size > largest else largest
-    return largest <= last2
+        open_lanes += 1 if (size[j] > last2) & (extreme[j] <= 1.0) else 0
+    return open_lanes == 0
+
+
+@kernel
+def collect(state, last2, x, z, theta, status):
+    """Read poses and verdicts off the first lanes, as many as there is room for."""
+    for j in range(x.shape[0]):
+        x[j], z[j], theta[j] = state[LANES * R_X + j], state[LANES * R_Z + j], state[LANES * R_THETA + j]
+    size, pivot = state[LANES * R_SIZE : LANES * (R_SIZE + 1)], state[LANES * R_PIVOT : LANES * (R_PIVOT + 1)]
+    extreme = state[LANES * R_EXTREME : LANES * (R_EXTREME + 1)]
+    for j in range(x.shape[0]):
+        # as `vouches`, without a branch
+        found = (size[j] <= last2) & (pivot[j] > 0.0) & (extreme[j] <= 1.0)
+        status[j] = CONVERGED if found else NOT_CONVERGED
 
 
 @kernel

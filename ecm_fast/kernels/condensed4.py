@@ -6,7 +6,7 @@ Written by `tools/write_condensed.py`; the formulation is explained in `condense
 import numpy as np
 
 from ._jit import array_at, kernel, step_kernel, wide
-from .condensed import MAX_STEPS, condense, judge, nodes_of, put_load, settled, straighten, vouches
+from .condensed import MAX_STEPS, collect, condense, judge, nodes_of, put_load, settled, straighten, vouches
 from .condensed_laws import plate, section
 from .layout import (
     CONVERGED,
@@ -21,7 +21,7 @@ from .layout import (
     R_Z,
 )
 from .prepare import prepare
-from .start import extrapolate, guess, remember
+from .start import extrapolate, guess, lane_inside, lanes_inside, remember
 from .stepper import rescue, unfold
 
 __all__ = ["advance", "solve_loads", "solve_mechanisms", "solve_nodes", "sweep", "sweep_mechanisms"]
@@ -291,13 +291,6 @@ def sweep_mechanisms(con, state):
 
 
 @kernel
-def _collect(state, last2, x, z, theta, status):
-    for j in range(x.shape[0]):
-        x[j], z[j], theta[j] = state[LANES * R_X + j], state[LANES * R_Z + j], state[LANES * R_THETA + j]
-        status[j] = CONVERGED if vouches(state, LANES, j, last2) else NOT_CONVERGED
-
-
-@kernel
 def solve_loads(con, coefficients, lam_max, lam, wrench, last2, state, x, z, theta, status):
     """Solve load cases on one mechanism, LANES at a time.
 
@@ -312,18 +305,19 @@ def solve_loads(con, coefficients, lam_max, lam, wrench, last2, state, x, z, the
         for j in range(LANES):
             i = min(first + j, n - 1)
             put_load(state, LANES, j, lam[i], wrench[min(i, last_wrench)])
-        if lam_max > 0.0:
+        inside = lanes_inside(state, lam_max)
+        if inside > 0:
             guess(coefficients, lam_max, state, LANES, LANES, ORDER)
-        for j in range(LANES):
-            # not the opposite comparison: a force that is not a number starts straight
-            if not (state[LANES * R_LAM_L + j] <= lam_max and state[LANES * R_LAM_R + j] <= lam_max):
-                straighten(con, 1, 0, state, LANES, j, ORDER)
+        if inside < LANES:
+            for j in range(LANES):
+                if not lane_inside(state, lam_max, j):
+                    straighten(con, 1, 0, state, LANES, j, ORDER)
         for _ in range(MAX_STEPS):
             sweep(con, state)
             if settled(state, last2):
                 break
         end = min(first + LANES, n)
-        _collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
+        collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
 
 
 @kernel
@@ -355,7 +349,7 @@ def solve_mechanisms(
             if settled(state, last2):
                 break
         end = min(first + LANES, n)
-        _collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
+        collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
 
 
 @step_kernel

@@ -2,11 +2,21 @@
 
 import numpy as np
 
-from ._jit import step_kernel, wide
+from ._jit import kernel, step_kernel, wide
 from .condensed import unjudged
-from .layout import N_SECTION, P_THETA, R_LAM_L, R_LAM_R, R_POINT, R_X
+from .layout import LANES, N_SECTION, P_THETA, R_LAM_L, R_LAM_R, R_POINT, R_X
 
-__all__ = ["ANGLES", "N_GUESS", "extrapolate", "guess", "monomials", "remember", "unknowns"]
+__all__ = [
+    "ANGLES",
+    "N_GUESS",
+    "extrapolate",
+    "guess",
+    "lane_inside",
+    "lanes_inside",
+    "monomials",
+    "remember",
+    "unknowns",
+]
 
 # coefficients of a polynomial of degree 5 in two variables
 N_GUESS = 21
@@ -28,6 +38,24 @@ def unknowns(order: int) -> list[int]:
 def monomials(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Return the monomials of `guess`, (n, N_GUESS), at scaled tendon forces (n,)."""
     return np.stack([u**i * v**k for i in range(6) for k in range(6 - i)], axis=1)
+
+
+@kernel
+def lanes_inside(state, lam_max):
+    """Return in how many lanes `guess` holds."""
+    lam_l = state[LANES * R_LAM_L : LANES * (R_LAM_L + 1)]
+    lam_r = state[LANES * R_LAM_R : LANES * (R_LAM_R + 1)]
+    inside = 0
+    for j in range(LANES):
+        inside += 1 if (lam_l[j] <= lam_max) & (lam_r[j] <= lam_max) else 0
+    return inside if lam_max > 0.0 else 0
+
+
+@step_kernel
+def lane_inside(state, lam_max, j):
+    """Whether `guess` holds in lane `j`; not where a force is not a number."""
+    held = state[LANES * R_LAM_L + j] <= lam_max and state[LANES * R_LAM_R + j] <= lam_max
+    return held and lam_max > 0.0
 
 
 @step_kernel
