@@ -77,7 +77,7 @@ def test_the_paper_preset_differs_in_the_length_alone() -> None:
     assert paper.replace(length=0.109) == slender
     entry = PRESETS["paper"]["beam.length"]
     assert (entry.default, entry.status) == (0.040, "derived")
-    assert "37..43 mm" in entry.source
+    assert "2.9 N" in entry.source
 
 
 def test_a_misspelt_preset() -> None:
