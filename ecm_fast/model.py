@@ -1,32 +1,28 @@
 """The finite element model of a mechanism: a thin shell over the kernels."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .batching import solve_cases, work_arrays
 from .chain import Chain
-from .condensation import Columns, Condensation, columns, solve_mechanisms
+from .condensation import Condensation
 from .discretization import Discretization
 from .equilibrium import BatchResult, Equilibrium, Status
 from .errors import InputError, shown
 from .inverse import Inverse
-from .kernels.batch import solve_many
 from .kernels.layout import (
-    L_FX,
-    L_GRAVITY,
     N_LOADS,
     N_OUT,
-    N_STATION,
-    N_TIP,
     O_FACTOR,
     O_ITERATIONS,
     O_THETA,
     O_X,
     O_Z,
 )
-from .kernels.newton import solve, solve_work_size
+from .kernels.newton import solve
 from .kernels.prepare import prepare
 from .kernels.sensitivity import tip_derivatives
 from .loads import last_step, many_loads, one_load, parameter_rows
@@ -86,7 +82,7 @@ class FiniteElementModel:
         self.mechanism = Mechanism() if mechanism is None else mechanism
         self.discretization = Discretization.of(elements, _order(accuracy) if order is None else order, gauss)
         self._par = pack(self.mechanism)
-        self._system = _work_arrays(self.discretization)
+        self._system = work_arrays(self.discretization)
         stations, tip, q_rest, _, _ = self._system
         self._inverse: tuple[tuple[float, ...], Inverse] | None = None
         prepare(self._par, self.discretization.mesh, self.discretization.nodes, stations, tip, q_rest)
@@ -167,40 +163,11 @@ class FiniteElementModel:
         InputError : a shape is wrong, or a tendon force is negative; names the row.
         """
         tensions, dead = many_loads(lam, wrench)
-        n, mesh, last2 = len(tensions), self.discretization, last_step(tolerance)
-        par = self._par[None] if parameters is None else parameter_rows(parameters, n)
-        out, factor = columns(n), np.ones(n)
-        fast = self._condensed if parameters is None else None
-        guess = fast.fit_guess(tensions.max(), dead[0]) if fast and len(dead) == 1 and n >= WORTH_A_GUESS else None
-
-        def part(rows: slice) -> None:
-            own = out[0][rows], out[1][rows], out[2][rows], out[3][rows]
-            loads = tensions[rows], dead if len(dead) == 1 else dead[rows]
-            if parameters is not None:
-                solve_mechanisms(mesh, par[rows], *loads, last2, own)
-            elif fast is not None:
-                fast.solve(*loads, last2, own, guess)
-            self._finish(rows, tensions, dead, par, out, factor)
-
-        _in_threads(part, n, threads)
-        for column in out[:3]:
-            column[out[3] > Status.UNSTABLE] = np.nan
-        return BatchResult(*out, factor)
-
-    def _finish(self, rows: slice, tensions: Array, dead: Array, par: Array, out: Columns, factor: Array) -> None:
-        """Solve with the robust solver what the fast path did not."""
-        todo = rows.start + np.flatnonzero(out[3][rows] != Status.CONVERGED)
-        if todo.size:
-            mesh, loads = self.discretization, np.ones((todo.size, N_LOADS))
-            loads[:, :L_FX], loads[:, L_FX:L_GRAVITY] = tensions[todo], dead if len(dead) == 1 else dead[todo]
-            result, verdict = np.empty((todo.size, N_OUT)), np.empty(todo.size, dtype=np.int64)
-            own = par if len(par) == 1 else par[todo]
-            solve_many(
-                mesh.tables, mesh.mesh, mesh.nodes, own, loads, _work_arrays(mesh), result, verdict, np.empty((0, 3))
-            )
-            for column, place in zip(out, (O_X, O_Z, O_THETA), strict=False):
-                column[todo] = result[:, place]
-            out[3][todo], factor[todo] = verdict, result[:, O_FACTOR]
+        last2, mesh = last_step(tolerance), self.discretization
+        if parameters is not None:
+            par = parameter_rows(parameters, len(tensions))
+            return solve_cases(mesh, None, par, tensions, dead, last2, threads)
+        return solve_cases(mesh, self._condensed, self._par[None], tensions, dead, last2, threads)
 
     def sensitivities(
         self,
@@ -296,27 +263,6 @@ class FiniteElementModel:
     def __repr__(self) -> str:
         mesh = self.discretization
         return f"FiniteElementModel({mesh.n_elements} element(s) of order {mesh.order}, {mesh.gauss} Gauss points each)"
-
-
-def _work_arrays(mesh: Discretization) -> tuple[Array, Array, Array, Array, Array]:
-    """Return stations, tip, q_rest, q and the work space of one thread."""
-    n = 3 * mesh.nodes.size
-    work = np.zeros(solve_work_size(mesh.nodes.size, mesh.n_elements, mesh.order))
-    return np.empty((len(mesh.mesh), N_STATION)), np.empty(N_TIP), np.empty(n), np.empty(n), work
-
-
-def _in_threads(part: Callable[[slice], None], n: int, threads: int) -> None:
-    """Call `part` with slices that cover n rows, on as many threads."""
-    share = max(1, -(-n // max(1, threads)))
-    chunks = [slice(first, min(n, first + share)) for first in range(0, n, share)]
-    if len(chunks) < 2:
-        for chunk in chunks:
-            part(chunk)
-        return
-    from concurrent.futures import ThreadPoolExecutor
-
-    with ThreadPoolExecutor(len(chunks)) as pool:
-        list(pool.map(part, chunks))
 
 
 def _order(accuracy: float) -> int:
