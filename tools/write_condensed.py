@@ -55,6 +55,7 @@ def step(con, state, keep):
     """Take one Newton step for the one load case that `state` holds; with `keep`, leave the factor to `tip_columns`."""
 {sections}
     plate(con, 1, 0, state, 1, 0)
+    assemble(con, 1, 0, state, 1, 0)
     solve(con, 1, 0, state, 1, 0, keep)
 
 
@@ -65,6 +66,8 @@ def _sweep(con, cr, own, state):
 {loops}
     for j in range(LANES):
         plate(con, cr, own * j, state, LANES, j)
+    for j in range(LANES):
+        assemble(con, cr, own * j, state, LANES, j)
     for j in range(LANES):
         solve(con, cr, own * j, state, LANES, j, False)
 
@@ -213,7 +216,7 @@ def advance(address, lam_l, lam_r):
 
 
 # what a step keeps beside its factor
-KEPT = ("c_xx", "c_xz", "c_zz", "j_xx", "j_xz", "j_zx", "j_zz", "g_x", "g_z")
+KEPT = ("c_xx", "c_xz", "c_zz", "j_xx", "j_xz", "j_zx", "j_zz", "g_x", "g_z", "gap_x", "gap_z")
 
 # eliminate tip force and position; j = (1 + h c)^-1 has no inverse of the compliance c, so rigid sections do no harm
 TIP = """\
@@ -291,34 +294,53 @@ class Writer:
         for g in self.points:
             self.set(f"{stem}{g}", self.point(g, name))
 
-    def solve(self) -> None:
-        """Write the elimination of tip force and position, the factorization, and the step."""
-        self.function("solve", "con, cr, cl, state, sr, j, keep", "Solve for the step, see `condensed`, and take it.")
+    def take(self, names: Iterable[str]) -> None:
+        """Write the reading of what `assemble` left, by the names it had there."""
+        for name in names:
+            self.set(name, self.own(name))
+
+    def stiffness_at_tip(self, *names: str) -> None:
+        for name in ("xx", "xz", "zz", "xt", "zt", *names):
+            self.set(f"h_{name}", row(name.upper()))
+
+    def assemble(self) -> None:
+        """Write the equations for the angles, tip force and position eliminated."""
+        self.function("assemble", "con, cr, cl, state, sr, j", "Equations for the angles alone, see `condensed`.")
         for name in ("XX", "XZ", "ZZ", "DX", "DZ"):
             self.set(f"c_{name.lower()}", " + ".join(self.point(g, name) for g in self.points))
         for stem, name in (("X", "BX"), ("Z", "BZ"), ("o", "THETA")):
             self.load(stem, name)
         for g in self.points:
             self.set(f"t{g}", self.station(g, 7))
-        for name in ("xx", "xz", "zz", "xt", "zt", "tt"):
-            self.set(f"h_{name}", row(name.upper()))
+        self.stiffness_at_tip("tt")
         self.lines += TIP.format(
             X=row("X"),
             Z=row("Z"),
             tau=row("WTAU"),
             **{name: row(key) for name, key in (("wx", "WX"), ("wz", "WZ"), ("fx", "FORCE_X"), ("fz", "FORCE_Z"))},
         ).splitlines()
+        self.set(row("PIVOT"), f"pivot if pivot < {row('PIVOT')} else {row('PIVOT')}")
+        self.set(f"{row('WX')}, {row('WZ')}", "e_x, e_z")
+        for name in KEPT:
+            self.set(self.own(name), name)
         for h in self.points:
             bending = dot([self.stiffness(h, k) for k in self.points], self.names("o"))
             inner = f"{bending} - {self.station(h, 6)} + {self.point(h, 'COUPLE')}"
-            self.set(f"b{h}", f"t{h} * pull - ({inner}) - X{h} * p_x - Z{h} * p_z")
+            self.set(self.point(h, "COUPLE"), f"t{h} * pull - ({inner}) - X{h} * p_x - Z{h} * p_z")
         for h in self.points:
             self.set(f"U{h}", f"s_xx * X{h} + s_xz * Z{h} - g_x * t{h}")
             self.set(f"V{h}", f"s_xz * X{h} + s_zz * Z{h} - g_z * t{h}")
             self.set(f"T{h}", f"g_tt * t{h} - g_x * X{h} - g_z * Z{h}")
             for k in range(h + 1):
                 own = f"{self.stiffness(h, k)} + U{h} * X{k} + V{h} * Z{k} + T{h} * t{k}"
-                self.set(K(h, k), f"{own} + {self.point(h, 'TURN')}" if h == k else own)
+                self.set(self.own(K(h, k)), f"{own} + {self.point(h, 'TURN')}" if h == k else own)
+
+    def solve(self) -> None:
+        """Write the factorization and the step."""
+        self.function("solve", "con, cr, cl, state, sr, j, keep", "Solve for the angles, and take the step.")
+        self.load("b", "COUPLE")
+        self.take(K(h, k) for h in self.points for k in range(h + 1))
+        self.set("pivot", row("PIVOT"))
         remaining = [*self.points]
         for block in self.blocks:
             remaining = [m for m in remaining if m not in block]
@@ -329,8 +351,13 @@ class Writer:
             for k in range(h + 1):
                 inverse = any(h in block and k in block for block in self.blocks)
                 self.set(self.own(K(h, k)), f"I{h}_{k}" if inverse else f"L{h}_{k}", "        ")
-        for name in KEPT:
-            self.set(self.own(name), name, "        ")
+        for stem, name in (("X", "BX"), ("Z", "BZ"), ("o", "THETA")):
+            self.load(stem, name)
+        for g in self.points:
+            self.set(f"t{g}", self.station(g, 7))
+        self.stiffness_at_tip()
+        self.take(name for name in KEPT if name not in ("g_x", "g_z"))
+        self.set("e_x, e_z", f"{row('WX')}, {row('WZ')}")
         self.move()
 
     def eliminate(self, block: list[int], remaining: list[int]) -> None:
@@ -402,8 +429,7 @@ class Writer:
             for k in range(g + 1):
                 inverse = any(g in block and k in block for block in self.blocks)
                 self.set(f"I{g}_{k}" if inverse else f"L{g}_{k}", self.own(K(g, k)))
-        for name in KEPT:
-            self.set(name, self.own(name))
+        self.take(name for name in KEPT if "gap" not in name)
         self.set("h_xt, h_zt", f"{row('XT')}, {row('ZT')}")
         along = (("j_xx", "j_zx", "g_x * c_xx + g_z * c_xz"), ("j_xz", "j_zz", "g_x * c_xz + g_z * c_zz"))
         for column in range(3):  # unit force along x, along z, unit moment
@@ -425,6 +451,7 @@ class Writer:
                     self.set(f"compliance[{i * (i + 1) // 2 + column}]", value)
 
     def module(self) -> str:
+        self.assemble()
         self.solve()
         self.columns()
         sections = "\n".join(f"    section(con, 1, 0, state, 1, 0, {g})" for g in self.points)

@@ -30,8 +30,8 @@ ORDER = 3
 
 
 @step_kernel
-def solve(con, cr, cl, state, sr, j, keep):
-    """Solve for the step, see `condensed`, and take it."""
+def assemble(con, cr, cl, state, sr, j):
+    """Equations for the angles alone, see `condensed`."""
     c_xx = state[sr * 35 + j] + state[sr * 45 + j] + state[sr * 55 + j]
     c_xz = state[sr * 36 + j] + state[sr * 46 + j] + state[sr * 56 + j]
     c_zz = state[sr * 37 + j] + state[sr * 47 + j] + state[sr * 57 + j]
@@ -70,24 +70,52 @@ def solve(con, cr, cl, state, sr, j, keep):
     p_x = j_xx * e_x + j_xz * e_z + s_xx * gap_x + s_xz * gap_z
     p_z = j_zx * e_x + j_zz * e_z + s_xz * gap_x + s_zz * gap_z
     pull = state[sr * 15 + j] - g_x * q_x - g_z * q_z
-    b0 = t0 * pull - (con[cr * 67 + cl] * o0 + con[cr * 68 + cl] * o1 + con[cr * 70 + cl] * o2 - con[cr * 49 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
-    b1 = t1 * pull - (con[cr * 68 + cl] * o0 + con[cr * 69 + cl] * o1 + con[cr * 71 + cl] * o2 - con[cr * 57 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z
-    b2 = t2 * pull - (con[cr * 70 + cl] * o0 + con[cr * 71 + cl] * o1 + con[cr * 72 + cl] * o2 - con[cr * 65 + cl] + state[sr * 50 + j]) - X2 * p_x - Z2 * p_z
+    state[sr * 11 + j] = pivot if pivot < state[sr * 11 + j] else state[sr * 11 + j]
+    state[sr * 13 + j], state[sr * 14 + j] = e_x, e_z
+    state[sr * 64 + j] = c_xx
+    state[sr * 65 + j] = c_xz
+    state[sr * 66 + j] = c_zz
+    state[sr * 67 + j] = j_xx
+    state[sr * 68 + j] = j_xz
+    state[sr * 69 + j] = j_zx
+    state[sr * 70 + j] = j_zz
+    state[sr * 71 + j] = g_x
+    state[sr * 72 + j] = g_z
+    state[sr * 73 + j] = gap_x
+    state[sr * 74 + j] = gap_z
+    state[sr * 30 + j] = t0 * pull - (con[cr * 67 + cl] * o0 + con[cr * 68 + cl] * o1 + con[cr * 70 + cl] * o2 - con[cr * 49 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
+    state[sr * 40 + j] = t1 * pull - (con[cr * 68 + cl] * o0 + con[cr * 69 + cl] * o1 + con[cr * 71 + cl] * o2 - con[cr * 57 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z
+    state[sr * 50 + j] = t2 * pull - (con[cr * 70 + cl] * o0 + con[cr * 71 + cl] * o1 + con[cr * 72 + cl] * o2 - con[cr * 65 + cl] + state[sr * 50 + j]) - X2 * p_x - Z2 * p_z
     U0 = s_xx * X0 + s_xz * Z0 - g_x * t0
     V0 = s_xz * X0 + s_zz * Z0 - g_z * t0
     T0 = g_tt * t0 - g_x * X0 - g_z * Z0
-    K0_0 = con[cr * 67 + cl] + U0 * X0 + V0 * Z0 + T0 * t0 + state[sr * 29 + j]
+    state[sr * 58 + j] = con[cr * 67 + cl] + U0 * X0 + V0 * Z0 + T0 * t0 + state[sr * 29 + j]
     U1 = s_xx * X1 + s_xz * Z1 - g_x * t1
     V1 = s_xz * X1 + s_zz * Z1 - g_z * t1
     T1 = g_tt * t1 - g_x * X1 - g_z * Z1
-    K1_0 = con[cr * 68 + cl] + U1 * X0 + V1 * Z0 + T1 * t0
-    K1_1 = con[cr * 69 + cl] + U1 * X1 + V1 * Z1 + T1 * t1 + state[sr * 39 + j]
+    state[sr * 59 + j] = con[cr * 68 + cl] + U1 * X0 + V1 * Z0 + T1 * t0
+    state[sr * 60 + j] = con[cr * 69 + cl] + U1 * X1 + V1 * Z1 + T1 * t1 + state[sr * 39 + j]
     U2 = s_xx * X2 + s_xz * Z2 - g_x * t2
     V2 = s_xz * X2 + s_zz * Z2 - g_z * t2
     T2 = g_tt * t2 - g_x * X2 - g_z * Z2
-    K2_0 = con[cr * 70 + cl] + U2 * X0 + V2 * Z0 + T2 * t0
-    K2_1 = con[cr * 71 + cl] + U2 * X1 + V2 * Z1 + T2 * t1
-    K2_2 = con[cr * 72 + cl] + U2 * X2 + V2 * Z2 + T2 * t2 + state[sr * 49 + j]
+    state[sr * 61 + j] = con[cr * 70 + cl] + U2 * X0 + V2 * Z0 + T2 * t0
+    state[sr * 62 + j] = con[cr * 71 + cl] + U2 * X1 + V2 * Z1 + T2 * t1
+    state[sr * 63 + j] = con[cr * 72 + cl] + U2 * X2 + V2 * Z2 + T2 * t2 + state[sr * 49 + j]
+
+
+@step_kernel
+def solve(con, cr, cl, state, sr, j, keep):
+    """Solve for the angles, and take the step."""
+    b0 = state[sr * 30 + j]
+    b1 = state[sr * 40 + j]
+    b2 = state[sr * 50 + j]
+    K0_0 = state[sr * 58 + j]
+    K1_0 = state[sr * 59 + j]
+    K1_1 = state[sr * 60 + j]
+    K2_0 = state[sr * 61 + j]
+    K2_1 = state[sr * 62 + j]
+    K2_2 = state[sr * 63 + j]
+    pivot = state[sr * 11 + j]
     det = K0_0 * K1_1 - K1_0 * K1_0
     inv = 1.0 / det
     I0_0, I1_0, I1_1 = K1_1 * inv, -K1_0 * inv, K0_0 * inv
@@ -108,15 +136,33 @@ def solve(con, cr, cl, state, sr, j, keep):
         state[sr * 61 + j] = L2_0
         state[sr * 62 + j] = L2_1
         state[sr * 63 + j] = I2_2
-        state[sr * 64 + j] = c_xx
-        state[sr * 65 + j] = c_xz
-        state[sr * 66 + j] = c_zz
-        state[sr * 67 + j] = j_xx
-        state[sr * 68 + j] = j_xz
-        state[sr * 69 + j] = j_zx
-        state[sr * 70 + j] = j_zz
-        state[sr * 71 + j] = g_x
-        state[sr * 72 + j] = g_z
+    X0 = state[sr * 31 + j]
+    X1 = state[sr * 41 + j]
+    X2 = state[sr * 51 + j]
+    Z0 = state[sr * 32 + j]
+    Z1 = state[sr * 42 + j]
+    Z2 = state[sr * 52 + j]
+    o0 = state[sr * 28 + j]
+    o1 = state[sr * 38 + j]
+    o2 = state[sr * 48 + j]
+    t0 = con[cr * 50 + cl]
+    t1 = con[cr * 58 + cl]
+    t2 = con[cr * 66 + cl]
+    h_xx = state[sr * 16 + j]
+    h_xz = state[sr * 17 + j]
+    h_zz = state[sr * 18 + j]
+    h_xt = state[sr * 19 + j]
+    h_zt = state[sr * 20 + j]
+    c_xx = state[sr * 64 + j]
+    c_xz = state[sr * 65 + j]
+    c_zz = state[sr * 66 + j]
+    j_xx = state[sr * 67 + j]
+    j_xz = state[sr * 68 + j]
+    j_zx = state[sr * 69 + j]
+    j_zz = state[sr * 70 + j]
+    gap_x = state[sr * 73 + j]
+    gap_z = state[sr * 74 + j]
+    e_x, e_z = state[sr * 13 + j], state[sr * 14 + j]
     turned = t0 * b0 + t1 * b1 + t2 * b2
     e_x, e_z = e_x - h_xt * turned, e_z - h_zt * turned
     q_x = c_xx * e_x + c_xz * e_z - gap_x - (X0 * b0 + X1 * b1 + X2 * b2)
@@ -215,6 +261,7 @@ def step(con, state, keep):
     section(con, 1, 0, state, 1, 0, 1)
     section(con, 1, 0, state, 1, 0, 2)
     plate(con, 1, 0, state, 1, 0)
+    assemble(con, 1, 0, state, 1, 0)
     solve(con, 1, 0, state, 1, 0, keep)
 
 
@@ -230,6 +277,8 @@ def _sweep(con, cr, own, state):
         section(con, cr, own * j, state, LANES, j, 2)
     for j in range(LANES):
         plate(con, cr, own * j, state, LANES, j)
+    for j in range(LANES):
+        assemble(con, cr, own * j, state, LANES, j)
     for j in range(LANES):
         solve(con, cr, own * j, state, LANES, j, False)
 
@@ -364,23 +413,23 @@ def advance(address, lam_l, lam_r):
 
     Returns x, z, theta, status.
     """
-    memory = array_at(address, 778)
+    memory = array_at(address, 780)
     settings = memory[0:3]
     con = memory[3:76]
-    state = memory[76:149]
-    before = memory[149:159]
-    columns = memory[159:165]
-    jacobian = memory[165:171].reshape((3, 2))
-    compliance = memory[171:180].reshape((3, 3))
-    coefficients = memory[180:348].reshape((8, 21))
-    loads = memory[348:354]
-    tables = memory[354:390].reshape((3, 3, 4))
-    stations = memory[390:420].reshape((3, 10))
-    tip = memory[420:436]
-    q_rest = memory[436:448]
-    q = memory[448:460]
-    out = memory[460:472]
-    work = memory[472:778]
+    state = memory[76:151]
+    before = memory[151:161]
+    columns = memory[161:167]
+    jacobian = memory[167:173].reshape((3, 2))
+    compliance = memory[173:182].reshape((3, 3))
+    coefficients = memory[182:350].reshape((8, 21))
+    loads = memory[350:356]
+    tables = memory[356:392].reshape((3, 3, 4))
+    stations = memory[392:422].reshape((3, 10))
+    tip = memory[422:438]
+    q_rest = memory[438:450]
+    q = memory[450:462]
+    out = memory[462:474]
+    work = memory[474:780]
     if not (0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf):
         return np.nan, np.nan, np.nan, INVALID_INPUT
     if _follow(con, coefficients, settings, state, before, lam_l, lam_r):

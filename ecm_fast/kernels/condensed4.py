@@ -30,8 +30,8 @@ ORDER = 4
 
 
 @step_kernel
-def solve(con, cr, cl, state, sr, j, keep):
-    """Solve for the step, see `condensed`, and take it."""
+def assemble(con, cr, cl, state, sr, j):
+    """Equations for the angles alone, see `condensed`."""
     c_xx = state[sr * 35 + j] + state[sr * 45 + j] + state[sr * 55 + j] + state[sr * 65 + j]
     c_xz = state[sr * 36 + j] + state[sr * 46 + j] + state[sr * 56 + j] + state[sr * 66 + j]
     c_zz = state[sr * 37 + j] + state[sr * 47 + j] + state[sr * 57 + j] + state[sr * 67 + j]
@@ -74,32 +74,65 @@ def solve(con, cr, cl, state, sr, j, keep):
     p_x = j_xx * e_x + j_xz * e_z + s_xx * gap_x + s_xz * gap_z
     p_z = j_zx * e_x + j_zz * e_z + s_xz * gap_x + s_zz * gap_z
     pull = state[sr * 15 + j] - g_x * q_x - g_z * q_z
-    b0 = t0 * pull - (con[cr * 75 + cl] * o0 + con[cr * 76 + cl] * o1 + con[cr * 78 + cl] * o2 + con[cr * 81 + cl] * o3 - con[cr * 49 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
-    b1 = t1 * pull - (con[cr * 76 + cl] * o0 + con[cr * 77 + cl] * o1 + con[cr * 79 + cl] * o2 + con[cr * 82 + cl] * o3 - con[cr * 57 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z
-    b2 = t2 * pull - (con[cr * 78 + cl] * o0 + con[cr * 79 + cl] * o1 + con[cr * 80 + cl] * o2 + con[cr * 83 + cl] * o3 - con[cr * 65 + cl] + state[sr * 50 + j]) - X2 * p_x - Z2 * p_z
-    b3 = t3 * pull - (con[cr * 81 + cl] * o0 + con[cr * 82 + cl] * o1 + con[cr * 83 + cl] * o2 + con[cr * 84 + cl] * o3 - con[cr * 73 + cl] + state[sr * 60 + j]) - X3 * p_x - Z3 * p_z
+    state[sr * 11 + j] = pivot if pivot < state[sr * 11 + j] else state[sr * 11 + j]
+    state[sr * 13 + j], state[sr * 14 + j] = e_x, e_z
+    state[sr * 78 + j] = c_xx
+    state[sr * 79 + j] = c_xz
+    state[sr * 80 + j] = c_zz
+    state[sr * 81 + j] = j_xx
+    state[sr * 82 + j] = j_xz
+    state[sr * 83 + j] = j_zx
+    state[sr * 84 + j] = j_zz
+    state[sr * 85 + j] = g_x
+    state[sr * 86 + j] = g_z
+    state[sr * 87 + j] = gap_x
+    state[sr * 88 + j] = gap_z
+    state[sr * 30 + j] = t0 * pull - (con[cr * 75 + cl] * o0 + con[cr * 76 + cl] * o1 + con[cr * 78 + cl] * o2 + con[cr * 81 + cl] * o3 - con[cr * 49 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
+    state[sr * 40 + j] = t1 * pull - (con[cr * 76 + cl] * o0 + con[cr * 77 + cl] * o1 + con[cr * 79 + cl] * o2 + con[cr * 82 + cl] * o3 - con[cr * 57 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z
+    state[sr * 50 + j] = t2 * pull - (con[cr * 78 + cl] * o0 + con[cr * 79 + cl] * o1 + con[cr * 80 + cl] * o2 + con[cr * 83 + cl] * o3 - con[cr * 65 + cl] + state[sr * 50 + j]) - X2 * p_x - Z2 * p_z
+    state[sr * 60 + j] = t3 * pull - (con[cr * 81 + cl] * o0 + con[cr * 82 + cl] * o1 + con[cr * 83 + cl] * o2 + con[cr * 84 + cl] * o3 - con[cr * 73 + cl] + state[sr * 60 + j]) - X3 * p_x - Z3 * p_z
     U0 = s_xx * X0 + s_xz * Z0 - g_x * t0
     V0 = s_xz * X0 + s_zz * Z0 - g_z * t0
     T0 = g_tt * t0 - g_x * X0 - g_z * Z0
-    K0_0 = con[cr * 75 + cl] + U0 * X0 + V0 * Z0 + T0 * t0 + state[sr * 29 + j]
+    state[sr * 68 + j] = con[cr * 75 + cl] + U0 * X0 + V0 * Z0 + T0 * t0 + state[sr * 29 + j]
     U1 = s_xx * X1 + s_xz * Z1 - g_x * t1
     V1 = s_xz * X1 + s_zz * Z1 - g_z * t1
     T1 = g_tt * t1 - g_x * X1 - g_z * Z1
-    K1_0 = con[cr * 76 + cl] + U1 * X0 + V1 * Z0 + T1 * t0
-    K1_1 = con[cr * 77 + cl] + U1 * X1 + V1 * Z1 + T1 * t1 + state[sr * 39 + j]
+    state[sr * 69 + j] = con[cr * 76 + cl] + U1 * X0 + V1 * Z0 + T1 * t0
+    state[sr * 70 + j] = con[cr * 77 + cl] + U1 * X1 + V1 * Z1 + T1 * t1 + state[sr * 39 + j]
     U2 = s_xx * X2 + s_xz * Z2 - g_x * t2
     V2 = s_xz * X2 + s_zz * Z2 - g_z * t2
     T2 = g_tt * t2 - g_x * X2 - g_z * Z2
-    K2_0 = con[cr * 78 + cl] + U2 * X0 + V2 * Z0 + T2 * t0
-    K2_1 = con[cr * 79 + cl] + U2 * X1 + V2 * Z1 + T2 * t1
-    K2_2 = con[cr * 80 + cl] + U2 * X2 + V2 * Z2 + T2 * t2 + state[sr * 49 + j]
+    state[sr * 71 + j] = con[cr * 78 + cl] + U2 * X0 + V2 * Z0 + T2 * t0
+    state[sr * 72 + j] = con[cr * 79 + cl] + U2 * X1 + V2 * Z1 + T2 * t1
+    state[sr * 73 + j] = con[cr * 80 + cl] + U2 * X2 + V2 * Z2 + T2 * t2 + state[sr * 49 + j]
     U3 = s_xx * X3 + s_xz * Z3 - g_x * t3
     V3 = s_xz * X3 + s_zz * Z3 - g_z * t3
     T3 = g_tt * t3 - g_x * X3 - g_z * Z3
-    K3_0 = con[cr * 81 + cl] + U3 * X0 + V3 * Z0 + T3 * t0
-    K3_1 = con[cr * 82 + cl] + U3 * X1 + V3 * Z1 + T3 * t1
-    K3_2 = con[cr * 83 + cl] + U3 * X2 + V3 * Z2 + T3 * t2
-    K3_3 = con[cr * 84 + cl] + U3 * X3 + V3 * Z3 + T3 * t3 + state[sr * 59 + j]
+    state[sr * 74 + j] = con[cr * 81 + cl] + U3 * X0 + V3 * Z0 + T3 * t0
+    state[sr * 75 + j] = con[cr * 82 + cl] + U3 * X1 + V3 * Z1 + T3 * t1
+    state[sr * 76 + j] = con[cr * 83 + cl] + U3 * X2 + V3 * Z2 + T3 * t2
+    state[sr * 77 + j] = con[cr * 84 + cl] + U3 * X3 + V3 * Z3 + T3 * t3 + state[sr * 59 + j]
+
+
+@step_kernel
+def solve(con, cr, cl, state, sr, j, keep):
+    """Solve for the angles, and take the step."""
+    b0 = state[sr * 30 + j]
+    b1 = state[sr * 40 + j]
+    b2 = state[sr * 50 + j]
+    b3 = state[sr * 60 + j]
+    K0_0 = state[sr * 68 + j]
+    K1_0 = state[sr * 69 + j]
+    K1_1 = state[sr * 70 + j]
+    K2_0 = state[sr * 71 + j]
+    K2_1 = state[sr * 72 + j]
+    K2_2 = state[sr * 73 + j]
+    K3_0 = state[sr * 74 + j]
+    K3_1 = state[sr * 75 + j]
+    K3_2 = state[sr * 76 + j]
+    K3_3 = state[sr * 77 + j]
+    pivot = state[sr * 11 + j]
     det = K0_0 * K1_1 - K1_0 * K1_0
     inv = 1.0 / det
     I0_0, I1_0, I1_1 = K1_1 * inv, -K1_0 * inv, K0_0 * inv
@@ -132,15 +165,37 @@ def solve(con, cr, cl, state, sr, j, keep):
         state[sr * 75 + j] = L3_1
         state[sr * 76 + j] = I3_2
         state[sr * 77 + j] = I3_3
-        state[sr * 78 + j] = c_xx
-        state[sr * 79 + j] = c_xz
-        state[sr * 80 + j] = c_zz
-        state[sr * 81 + j] = j_xx
-        state[sr * 82 + j] = j_xz
-        state[sr * 83 + j] = j_zx
-        state[sr * 84 + j] = j_zz
-        state[sr * 85 + j] = g_x
-        state[sr * 86 + j] = g_z
+    X0 = state[sr * 31 + j]
+    X1 = state[sr * 41 + j]
+    X2 = state[sr * 51 + j]
+    X3 = state[sr * 61 + j]
+    Z0 = state[sr * 32 + j]
+    Z1 = state[sr * 42 + j]
+    Z2 = state[sr * 52 + j]
+    Z3 = state[sr * 62 + j]
+    o0 = state[sr * 28 + j]
+    o1 = state[sr * 38 + j]
+    o2 = state[sr * 48 + j]
+    o3 = state[sr * 58 + j]
+    t0 = con[cr * 50 + cl]
+    t1 = con[cr * 58 + cl]
+    t2 = con[cr * 66 + cl]
+    t3 = con[cr * 74 + cl]
+    h_xx = state[sr * 16 + j]
+    h_xz = state[sr * 17 + j]
+    h_zz = state[sr * 18 + j]
+    h_xt = state[sr * 19 + j]
+    h_zt = state[sr * 20 + j]
+    c_xx = state[sr * 78 + j]
+    c_xz = state[sr * 79 + j]
+    c_zz = state[sr * 80 + j]
+    j_xx = state[sr * 81 + j]
+    j_xz = state[sr * 82 + j]
+    j_zx = state[sr * 83 + j]
+    j_zz = state[sr * 84 + j]
+    gap_x = state[sr * 87 + j]
+    gap_z = state[sr * 88 + j]
+    e_x, e_z = state[sr * 13 + j], state[sr * 14 + j]
     turned = t0 * b0 + t1 * b1 + t2 * b2 + t3 * b3
     e_x, e_z = e_x - h_xt * turned, e_z - h_zt * turned
     q_x = c_xx * e_x + c_xz * e_z - gap_x - (X0 * b0 + X1 * b1 + X2 * b2 + X3 * b3)
@@ -255,6 +310,7 @@ def step(con, state, keep):
     section(con, 1, 0, state, 1, 0, 2)
     section(con, 1, 0, state, 1, 0, 3)
     plate(con, 1, 0, state, 1, 0)
+    assemble(con, 1, 0, state, 1, 0)
     solve(con, 1, 0, state, 1, 0, keep)
 
 
@@ -272,6 +328,8 @@ def _sweep(con, cr, own, state):
         section(con, cr, own * j, state, LANES, j, 3)
     for j in range(LANES):
         plate(con, cr, own * j, state, LANES, j)
+    for j in range(LANES):
+        assemble(con, cr, own * j, state, LANES, j)
     for j in range(LANES):
         solve(con, cr, own * j, state, LANES, j, False)
 
@@ -406,23 +464,23 @@ def advance(address, lam_l, lam_r):
 
     Returns x, z, theta, status.
     """
-    memory = array_at(address, 1031)
+    memory = array_at(address, 1033)
     settings = memory[0:3]
     con = memory[3:88]
-    state = memory[88:175]
-    before = memory[175:186]
-    columns = memory[186:192]
-    jacobian = memory[192:198].reshape((3, 2))
-    compliance = memory[198:207].reshape((3, 3))
-    coefficients = memory[207:396].reshape((9, 21))
-    loads = memory[396:402]
-    tables = memory[402:462].reshape((3, 4, 5))
-    stations = memory[462:502].reshape((4, 10))
-    tip = memory[502:518]
-    q_rest = memory[518:533]
-    q = memory[533:548]
-    out = memory[548:560]
-    work = memory[560:1031]
+    state = memory[88:177]
+    before = memory[177:188]
+    columns = memory[188:194]
+    jacobian = memory[194:200].reshape((3, 2))
+    compliance = memory[200:209].reshape((3, 3))
+    coefficients = memory[209:398].reshape((9, 21))
+    loads = memory[398:404]
+    tables = memory[404:464].reshape((3, 4, 5))
+    stations = memory[464:504].reshape((4, 10))
+    tip = memory[504:520]
+    q_rest = memory[520:535]
+    q = memory[535:550]
+    out = memory[550:562]
+    work = memory[562:1033]
     if not (0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf):
         return np.nan, np.nan, np.nan, INVALID_INPUT
     if _follow(con, coefficients, settings, state, before, lam_l, lam_r):

@@ -48,7 +48,7 @@ C_STATION = C_SLOPE + N_SLOPE
 P_THETA, P_TURN, P_COUPLE, P_BX, P_BZ, P_DX, P_DZ, P_XX, P_XZ, P_ZZ, N_SECTION = range(11)
 # ... then what the step keeps for derivatives: its factor and N_KEPT more. LANES load cases lie side by side in a
 # batch, one alone in a control loop
-LANES, N_KEPT = 64, 9
+LANES, N_KEPT = 64, 11
 
 # The chain of elements: COLUMNS elements side by side, one quantity after the other, block after block.
 # Its constants begin like those of the condensed formulation; then the order, the number of elements and the shape
