@@ -50,13 +50,15 @@ class Chain:
 
     def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> Step:
         """Return the control step; with derivatives it is the robust solver's, which has them."""
-        robust = robust_stepper(self.mesh, system, loads)
+        robust = robust_stepper(self.mesh, system, loads, lam_max > 0.0)
         if derivatives:
             return robust
         con, state = self.con, self.new_state()
         state[:N_LOADS] = loads
 
         def step(lam_l: float, lam_r: float) -> tuple[float, float, float, int]:
+            if lam_max > 0.0:
+                state[H_SIZE] = np.inf  # nothing to follow
             result: tuple[float, float, float, int] = chain.follow_chain(con, state, last2, float(lam_l), float(lam_r))
             return result if result[3] in (CONVERGED, INVALID_INPUT) else robust(lam_l, lam_r)
 

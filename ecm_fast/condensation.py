@@ -98,7 +98,8 @@ class Condensation:
         guess = self.fit_guess(lam_max, loads[L_FX:L_GRAVITY]) if lam_max > 0.0 else None
         if guess is not None:
             parts["coefficients"][:] = guess[0]
-        parts["settings"][:] = last2, derivatives, 0.0 if guess is None else lam_max
+        # without a fit each step starts straight: it must still depend on nothing but its arguments
+        parts["settings"][:] = last2, derivatives, -1.0 if guess is None and lam_max > 0.0 else lam_max
         step: Any = functools.partial(compiled_step(order), memory.ctypes.data)
         # the address is all that the compiled step knows of: the function must keep the memory alive
         step.memory = memory

@@ -252,13 +252,16 @@ class FiniteElementModel:
         derivatives : each call also overwrites ``step.jacobian``, (3, 2), pose by tendon force, and
             ``step.compliance``, (3, 3), pose by wrench, exact to the square root of the tolerance
         lam_max : above 0, a call depends on nothing but its arguments: within ``[0, lam_max]`` N it starts from a
-            polynomial fitted now, and takes one or two Newton steps whatever the call before was
+            polynomial fitted now, and takes one or two Newton steps whatever the call before was; beyond, and where
+            none can be fitted, from the straight neck
         """
         loads, last2 = one_load(np.zeros(2), wrench), last_step(tolerance)
+        if not 0.0 <= lam_max < np.inf:
+            raise InputError(f"lam_max = {shown(lam_max)}: allowed is a finite number, 0 or more")
         stations, tip, q_rest, _, _ = self._system
         if self._condensed is not None:
             return self._condensed.stepper((stations, tip, q_rest), loads, last2, derivatives, lam_max)
-        return robust_stepper(self.discretization, (stations, tip, q_rest), loads)
+        return robust_stepper(self.discretization, (stations, tip, q_rest), loads, lam_max > 0.0)
 
     def __repr__(self) -> str:
         mesh = self.discretization

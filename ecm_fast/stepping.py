@@ -20,18 +20,20 @@ System = tuple[Array, Array, Array]
 """stations, tip, q_rest of the finite element model, see `kernels.prepare`."""
 
 
-def robust_stepper(mesh: Discretization, system: System, loads: Array) -> Step:
+def robust_stepper(mesh: Discretization, system: System, loads: Array, afresh: bool) -> Step:
     """Return the control step of the robust solver; the derivatives are attributes of the function.
 
     loads : (N_LOADS,)   the dead wrench, which stays; overwritten
+    afresh : each step starts from the straight beam, not from the step before
     """
     stations, tip, q_rest = system
     q, out, compliance, jacobian = q_rest.copy(), np.empty(N_OUT), np.empty((3, 3)), np.empty((3, 2))
     work = np.zeros(solve_work_size(mesh.nodes.size, mesh.n_elements, mesh.order))
 
     def step(lam_l: float, lam_r: float) -> tuple[float, float, float, int]:
+        lam = float(lam_l), float(lam_r)
         result: tuple[float, float, float, int] = rescue(
-            mesh.tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, float(lam_l), float(lam_r)
+            mesh.tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, afresh, *lam
         )
         return result
 

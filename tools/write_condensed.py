@@ -29,7 +29,6 @@ from .condensed import MAX_STEPS, collect, condense, judge, nodes_of, put_load, 
 from .condensed_laws import plate, section
 from .layout import (
     CONVERGED,
-    INVALID_INPUT,
     LANES,
     NOT_CONVERGED,
     R_EXTREME,
@@ -204,14 +203,14 @@ def advance(address, lam_l, lam_r):
     """
     memory = array_at(address, {total})
 {pieces}
-    if not (0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf):
-        return np.nan, np.nan, np.nan, INVALID_INPUT
-    if _follow(con, coefficients, settings, state, before, lam_l, lam_r):
+    possible = 0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf
+    if possible and _follow(con, coefficients, settings, state, before, lam_l, lam_r):
         if settings[1] > 0.0:
             tip_columns(con, state, columns)
             unfold(state, columns, compliance, jacobian)
         return state[R_X], state[R_Z], state[R_THETA], CONVERGED
-    return rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, lam_l, lam_r)
+    afresh = settings[2] != 0.0
+    return rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, afresh, lam_l, lam_r)
 '''
 
 

@@ -2,7 +2,8 @@
 
 Everything a control step needs lies in one array, whose address alone is passed: an argument that is an array costs
 an allocation a call, an address costs none. `settings` are the largest squared last step, whether derivatives are
-wanted, and up to which tendon force each step starts afresh from a polynomial (0: from the step before).
+wanted, and up to which tendon force each step starts afresh from a polynomial (0: from the step before; below 0:
+each starts from the straight beam).
 """
 
 import math
@@ -81,8 +82,13 @@ def unfold(state, columns, compliance, jacobian):
 
 
 @kernel
-def rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, lam_l, lam_r):
-    """Take the step with the robust solver, from its own last equilibrium `q`; returns x, z, theta, status."""
+def rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, afresh, lam_l, lam_r):
+    """Take the step with the robust solver, from its own last equilibrium `q` or, `afresh`, from the straight beam.
+
+    Returns x, z, theta, status; what is not an equilibrium, and its derivatives, are nan.
+    """
+    if afresh:
+        q[:] = q_rest
     loads[L_LAM_L], loads[L_LAM_R] = lam_l, lam_r
     status = advance(tables, stations, tip, q_rest, loads, q, work, out)
     if status > UNSTABLE:
