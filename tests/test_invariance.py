@@ -103,14 +103,14 @@ def _value(mechanism, name):
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_an_effect_of_zero_is_no_effect(name):
-    """The baseline, bit for bit, at size zero; and a pose that moves at the typical size."""
+    """The baseline, bit for bit, at size zero, in a batch too; and a pose that moves at the typical size."""
     baseline = FiniteElementModel(Mechanism()).solve(LAM, WRENCH).pose
     absent = FiniteElementModel(Mechanism().replace(**{f"effects.{name}": 0.0})).solve(LAM, WRENCH).pose
     assert absent.tolist() == baseline.tolist()
-    par = pack(Mechanism())
-    par[PARAMETERS.index(CATALOGUE[name].size)] = -0.0
-    batch = FiniteElementModel().solve_batch([LAM], [WRENCH], parameters=par[None])
-    assert batch.pose[0].tolist() == baseline.tolist()
+    par = np.stack([pack(Mechanism())] * 2)
+    par[1, PARAMETERS.index(CATALOGUE[name].size)] = -0.0
+    batch = FiniteElementModel().solve_batch([LAM] * 2, [WRENCH] * 2, parameters=par)
+    assert batch.pose[1].tolist() == batch.pose[0].tolist()
     typical = {f"effects.{name}": CATALOGUE[name].size.typical}
     present = FiniteElementModel(Mechanism().replace(**typical)).solve(LAM, WRENCH).pose
     assert np.abs(present - baseline).max() > 1e-6
