@@ -94,10 +94,13 @@ def _shear(preset: str) -> _Sheared:
     for session in _SHEARED:
         rows = data.select(data.session == session)
         start = {"GA": 2000.0, "EI": 4.0}
-        found[session] = rows, {
-            "default": fitted(truth, rows, start, _SHEAR),
-            "20 linear elements": fitted(truth, rows, start, _SHEAR, **_PAPER),
-        }
+        found[session] = (
+            rows,
+            {
+                "default": fitted(truth, rows, start, _SHEAR),
+                "20 linear elements": fitted(truth, rows, start, _SHEAR, **_PAPER),
+            },
+        )
     return found
 
 
