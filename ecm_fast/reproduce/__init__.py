@@ -150,9 +150,11 @@ def _overview(parts: Mapping[str, Part]) -> Section:
         "which integrates the beam's differential equations and adds noise; they show that the method works, not that "
         "the neck is made like this.",
     )
-    rows = tuple((part.section.heading, *(_count(part.claims, kind) for kind in VERDICTS)) for part in parts.values())
+    rows: list[tuple[str | float | None, ...]] = [
+        (part.section.heading, *(_count(part.claims, kind) for kind in VERDICTS)) for part in parts.values()
+    ]
     head = ("section", *_KINDS.values())
-    return Section("", sentences, (Table("Claims in each section, by verdict", head, rows),))
+    return Section("", sentences, (Table("Claims in each section, by verdict", head, tuple(rows)),))
 
 
 def _with_claims(part: Part) -> Section:

@@ -61,7 +61,8 @@ def fitted(
         return np.asarray(solved(share).by_parameter[:, picked] / sigma[:, :, None] * size).reshape(-1, len(size))
 
     found = least_squares(misfit, np.ones(len(size)), slope, method="lm", xtol=1e-12, ftol=1e-12, gtol=1e-12)
-    covariance = np.linalg.inv(found.jac.T @ found.jac)
+    final = slope(found.x)
+    covariance = np.linalg.inv(final.T @ final)
     residual = data.pose - solved(found.x).pose
     rms = float(np.sqrt(np.mean((residual[:, picked] / sigma) ** 2)))
     return Fit(found.x * size, np.sqrt(np.diag(covariance)) * size, residual, rms)

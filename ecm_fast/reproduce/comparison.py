@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..data import Measurements
 from ..datasets import load
-from ..mechanism import PRESETS, Mechanism
+from ..mechanism import PRESETS
 from ..model import FiniteElementModel
 from ..plots import COLORS, FAINT, canvas
 from ..polynomial import PolynomialModel

@@ -54,7 +54,7 @@ def kinds(seed: int = 0, draws: int = 5, n: int = 1000, tests: int = 300) -> Par
 
 def coefficient_count(kind: str, degree: int) -> int:
     """Return how many numbers three polynomials of three variables have, or one energy without its constant."""
-    terms = monomials(np.zeros((1, 3)), degree + _KINDS[kind]).shape[1]
+    terms: int = monomials(np.zeros((1, 3)), degree + _KINDS[kind]).shape[1]
     return terms - 1 if _KINDS[kind] else 3 * terms
 
 
@@ -119,8 +119,8 @@ def _picture(found: Mapping[str, _Found]) -> Picture:
             for i, name in enumerate(_NAMES):
                 for kind, style in (("free", "o-"), ("conservative", "s--")):
                     count = [coefficient_count(kind, degree) for degree in _DEGREES]
-                    rms = [entries[kind, degree][i] for degree in _DEGREES]
-                    axes.plot(count, rms, style, color=COLORS[i], markersize=4.0, label=f"{name}, {kind}")
+                    errors = [entries[kind, degree][i] for degree in _DEGREES]
+                    axes.plot(count, errors, style, color=COLORS[i], markersize=4.0, label=f"{name}, {kind}")
             axes.set_yscale("log")
             axes.set_title(f"preset {preset}")
             axes.set_xlabel("coefficients")

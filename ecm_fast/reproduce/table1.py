@@ -145,12 +145,12 @@ def _found_claims(compressed: Mapping[int, _Compressed], sheared: Mapping[str, _
         off = float(np.abs(fit.value[0] - truth.beam.EA) / fit.std[0])
         claims.append(_found(f"EA, specimen of {length} mm", f"{truth.beam.EA:g} N", "{:.0f} ± {:.0f} N", fit, off))
     for preset, sessions in sheared.items():
-        truth = Mechanism.preset(preset).beam
+        beam = Mechanism.preset(preset).beam
         for session, (_, fits) in sessions.items():
             fit = fits["default"]
-            off = float(np.abs((fit.value - [truth.GA, truth.EI]) / fit.std).max())
+            off = float(np.abs((fit.value - [beam.GA, beam.EI]) / fit.std).max())
             where = f"GA and EI, preset {preset}, up to {_SHEARED[session][0]}"
-            known = f"{truth.GA:g} N, {truth.EI:g} N m^2"
+            known = f"{beam.GA:g} N, {beam.EI:g} N m^2"
             claims.append(_found(where, known, "{:.0f} ± {:.0f} N, {:.3f} ± {:.3f} N m^2", fit, off))
     return claims
 
@@ -202,9 +202,9 @@ def _table(compressed: Mapping[int, _Compressed], sheared: Mapping[str, _Sheared
             rows.append((f"EA {law} [N]", f"specimen {length} mm", value, known, fit.value[0], fit.std[0]))
     for preset, sessions in sheared.items():
         truth = Mechanism.preset(preset)
-        for session, (force, *paper) in _SHEARED.items():
+        for session, (force, *values) in _SHEARED.items():
             fit = sessions[session][1]["default"]
-            for i, (name, value) in enumerate(zip(("GA", "EI"), paper, strict=True)):
+            for i, (name, value) in enumerate(zip(("GA", "EI"), values, strict=True)):
                 unit, known = ("N", truth.beam.GA) if name == "GA" else ("N m^2", truth.beam.EI)
                 rows.append((f"{name} [{unit}]", f"{preset}, up to {force}", value, known, fit.value[i], fit.std[i]))
     head = ("parameter", "test", "paper, measured", "SIMULATED: built in", "found again", "one standard deviation")

@@ -53,10 +53,10 @@ def times(seed: int = 0, n: int = 100, rounds: int = 5) -> Part:
     )  # fmt: skip
     head = ("preset", "solver", "median [µs]", "5 % faster than [µs]", "5 % slower than [µs]", "over the polynomial")
     sentences = (
-        "The paper times 100 random poses and finds its polynomial at least 200 times faster than its "
-        f"finite element model. Here every solver is called from Python on {n} random poses in turn, {rounds} rounds, "
-        "of which the fastest counts; the plain program is timed in one round, on every fifth pose. The first row is the paper's program "
-        "as one writes it without a compiler, the last but one what this package takes in a control loop.",
+        "The paper times 100 random poses and finds its polynomial at least 200 times faster than its finite element "
+        f"model. Here every solver is called from Python on {n} random poses in turn, {rounds} rounds, of which the "
+        "fastest counts; the plain program is timed in one round, on every fifth pose. The first row is the paper's "
+        "program as one writes it without a compiler, the last but one what this package takes in a control loop.",
         "Calling from Python costs a good part of a microsecond itself, most of the time of the polynomial.",
     )
     table = Table("Time of one answer on this machine", head, rows)
