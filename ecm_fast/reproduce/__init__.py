@@ -144,7 +144,7 @@ def _overview(parts: Mapping[str, Part]) -> Section:
         "The paper is the planar study of a tendon-driven elastic continuum mechanism whose finite element model "
         "this program makes fast. Many dimensions of the mechanism are not in it; the mechanism's defaults say which "
         "values are stated, derived, found or assumed. Both presets are shown: paper, 40 mm long, the length at which "
-        "the paper's polynomials are as good as it says, and slender, 109 mm, the length of the group's later "
+        "the paper's polynomials are about as good as it says, and slender, 109 mm, the length of the group's later "
         "hardware.",
         "The paper's measurements are not public. Pictures headed SIMULATED show a simulated test bed in their place, "
         "which integrates the beam's differential equations and adds noise; they show that the method works, not that "

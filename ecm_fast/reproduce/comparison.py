@@ -77,9 +77,9 @@ def comparison(seed: int = 0, n: int = 1000) -> Part:
         "so that the largest error in x is noise. The polynomial's input is the measured pose, and the stiff neck "
         "turns noise of the pose into large errors of the wrench: its errors say more of the camera than of the "
         "polynomial.",
-        *(_growth(preset, cases) for preset, cases in found.items()),
         f"The missing effect is a bend at rest of {_BENT:g} per m. The paper does not say whether its numbers are "
         "largest or rms errors; both are given.",
+        *(_growth(preset, cases) for preset, cases in found.items()),
     )
     head = ("preset", "SIMULATED neck", "model", "of", "paper [%]", "largest [%]", "rms [%]", "largest", "rms", "unit")
     table = Table("Errors in per cent of the measured extent, and as they are", head, tuple(rows))

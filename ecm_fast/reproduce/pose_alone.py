@@ -161,7 +161,7 @@ def _numbers(off: Mapping[str, Array], misfit: Array) -> dict[str, Any]:
         name: {
             "largest": named(np.abs(change).max(axis=0)),
             "mean": named(change.mean(axis=0)),
-            "rms_less_mean": named(change.std(axis=0)),
+            "rms_less_mean": named(np.round(change.std(axis=0), 8)),
         }
         for name, change in off.items()
     }
@@ -170,7 +170,13 @@ def _numbers(off: Mapping[str, Array], misfit: Array) -> dict[str, Any]:
 
 def _row(preset: str, name: str, off: Array, extent: Array) -> tuple[str | float | None, ...]:
     largest = np.abs(off).max(axis=0)
-    return preset, name, *largest.tolist(), 100.0 * float((largest / extent).max()), *off.std(axis=0).tolist()
+    return (
+        preset,
+        name,
+        *largest.tolist(),
+        100.0 * float((largest / extent).max()),
+        *np.round(off.std(axis=0), 8).tolist(),
+    )
 
 
 def _picture(preset: str, poses: Array, off: Mapping[str, Array]) -> Picture:
@@ -217,7 +223,7 @@ def _branch_picture(branches: Mapping[str, Array], critical: float) -> Picture:
         axes.set_xlabel("push along the axis [N]")
         axes.set_ylabel("z of the tip [mm]")
         axes.grid(True)
-        axes.legend(loc="center left")
+        axes.legend(loc="upper left")
     caption = (
         "Slender neck without weights: the same push has two poses beyond the buckling load; 1 N to the side decides "
         "which. A map from wrench to pose cannot hold both."

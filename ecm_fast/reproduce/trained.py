@@ -94,7 +94,7 @@ def _claims(preset: str, inverse: _Inverse) -> list[Claim]:
     claims = []
     for neck in NECKS:
         ratio = inverse[neck, _MEASURED][_TENDONS] / inverse[neck, _MODEL][_TENDONS]
-        factors = ", ".join(f"{name} {factor:.2g}" for name, factor in zip(_NAMES, ratio, strict=True))
+        factors = ", ".join(f"{name} {factor:.3g}" for name, factor in zip(_NAMES, ratio, strict=True))
         claims.append(
             Claim(
                 f"Section 4.3, preset {preset}, neck {neck} (simulated): training on measured poses makes the "
