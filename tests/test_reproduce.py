@@ -143,7 +143,9 @@ def test_the_silicone_beams_sag_is_met_and_its_rotation_is_not(done) -> None:
 def test_the_reference_solutions_are_met(done) -> None:
     numbers = done[0].to_json()["numbers"]["reference_solutions"]
     assert (
-        verdicts(done[0], "The default, one element of order 5") == verdicts(done[0], "20 linear elements") == ["holds"]
+        verdicts(done[0], "The default, one element of order 5")
+        == verdicts(done[0], "20 linear elements have no share")
+        == ["holds"]
     )
     assert sum(row["rows"] for row in numbers["default, one element of order 5"]) == 22
     assert max(row["theta_rad"] for row in numbers["default, one element of order 5"]) < 2e-7
@@ -324,7 +326,7 @@ def test_one_section_and_a_seed_can_be_chosen(tmp_path) -> None:
 
 def test_a_section_that_does_not_exist_is_named(tmp_path) -> None:
     with pytest.raises(
-        InputError, match=r"no section 'tabel1', did you mean 'table1'\?; allowed are table1, workspace"
+        InputError, match=r"no section 'tabel1' \(did you mean 'table1'\?\); allowed are table1, workspace"
     ):
         reproduce(tmp_path / "out", only=["tabel1"])
     assert not (tmp_path / "out").exists()
