@@ -138,7 +138,7 @@ class _Fit:
 
     def _objective(self, weights: Array) -> Objective:
         """Return the sum of squares with given weights: the rows now in use, then the priors."""
-        rows, rows_in_use = self.rows, self.used.any(axis=1)
+        rows, used, rows_in_use = self.rows, self.used, self.used.any(axis=1)
         p = len(rows.names)
         place, center, spread = self.prior[:, 0].astype(int), self.prior[:, 1], self.prior[:, 2]
         by_prior = np.eye(p)[place] / spread[:, None]
@@ -147,8 +147,8 @@ class _Fit:
             state = rows.at(values)
             if not state.stable[rows_in_use].all():
                 return None
-            off = (weights @ np.nan_to_num(rows.residual(state))[:, :, None]).ravel()
-            by = -(weights @ np.nan_to_num(state.by)).reshape(-1, p)
+            off = (weights @ np.where(used, rows.residual(state), 0.0)[:, :, None]).ravel()
+            by = -(weights @ (state.by if rows_in_use.all() else np.nan_to_num(state.by))).reshape(-1, p)
             if not len(place):
                 return off, by
             return np.concatenate([off, (values[place] - center) / spread]), np.concatenate([by, by_prior])
