@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from .effects import CATALOGUE, Effect
     from .equilibrium import BatchResult, Equilibrium, Status
     from .errors import EcmError, InputError, NotConverged, OutOfRangeWarning
+    from .identification import identify
+    from .identification_result import Estimate, Identification, Profile
+    from .material_tests import CompressionFit, fit_compression, fit_shear
     from .mechanism import Beam, Effects, Gravity, Head, Mechanism, Tendons
     from .model import FiniteElementModel
     from .parameters import PARAMETERS, pack, unpack
@@ -31,6 +34,9 @@ _HOME = {
     "effects": ("CATALOGUE", "Effect"),
     "equilibrium": ("BatchResult", "Equilibrium", "Status"),
     "errors": ("EcmError", "InputError", "NotConverged", "OutOfRangeWarning"),
+    "identification": ("identify",),
+    "identification_result": ("Estimate", "Identification", "Profile"),
+    "material_tests": ("CompressionFit", "fit_compression", "fit_shear"),
     "mechanism": ("Beam", "Effects", "Gravity", "Head", "Mechanism", "Tendons"),
     "model": ("FiniteElementModel",),
     "parameters": ("PARAMETERS", "pack", "unpack"),

@@ -18,13 +18,13 @@ from .mechanism import Mechanism
 from .model import FiniteElementModel
 from .parameters import PARAMETERS, index, pack
 
-__all__ = ["Prediction", "predict"]
+__all__ = ["CHANGES", "Prediction", "predict", "row_parameters"]
 
 Array = NDArray[np.float64]
 
 _CHANNELS = ("x", "z", "theta")
 _LOADS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt")
-_CHANGES = {"tilt": "gravity_tilt", "extra_mass": "effects.head_mass"}
+CHANGES = {"tilt": "gravity_tilt", "extra_mass": "effects.head_mass"}
 """What a row may change on the test bed, and the parameter to which it is added."""
 
 
@@ -116,19 +116,28 @@ def predict(
     InputError : a row's tilt or extra mass leaves the bounds of the parameter it adds to; names the row.
     """
     model = FiniteElementModel(mechanism, elements, order)
-    own = _row_parameters(mechanism, data)
+    own = row_parameters(pack(mechanism), data)
     result = model.solve_batch(data.lam, data.wrench, parameters=own, threads=threads)
     return Prediction(result.pose, result.status, result.load_factor, data)
 
 
-def _row_parameters(mechanism: Mechanism, data: Measurements) -> Array | None:
-    """Return a parameter vector for every row, (n, n_parameters), or None where no row changes the test bed."""
-    changes = {name: getattr(data, name) for name in _CHANGES}
+def row_parameters(par: Array, data: Measurements) -> Array | None:
+    """Return a parameter vector for every row, (n, n_parameters), or None where no row changes the test bed.
+
+    Parameters
+    ----------
+    par : (n_parameters,) the mechanism's own vector
+
+    Raises
+    ------
+    InputError : a row's change leaves the bounds of the parameter it adds to; names the row.
+    """
+    changes = {name: getattr(data, name) for name in CHANGES}
     if not any(change.any() for change in changes.values()):
         return None
-    par = np.tile(pack(mechanism), (data.n, 1))
+    par = np.tile(par, (data.n, 1))
     for name, change in changes.items():
-        place = index(_CHANGES[name])
+        place = index(CHANGES[name])
         par[:, place] += change
         entry, values = PARAMETERS[place], par[:, place]
         outside = (values < entry.lower) | (values > entry.upper)

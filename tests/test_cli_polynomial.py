@@ -124,8 +124,8 @@ def test_beyond_the_range_it_says_so(run: Run) -> None:
         ((), "the following arguments are required: fit or eval; see ecm-fast polynomial --help"),
         (
             ("fot",),
-            "no command 'polynomial fot' (did you mean 'polynomial fit'?); allowed are solve, predict, polynomial fit, "
-            "polynomial eval, effects, init, reproduce",
+            "no command 'polynomial fot' (did you mean 'polynomial fit'?); allowed are solve, predict, identify, "
+            "polynomial fit, polynomial eval, effects, init, reproduce",
         ),
         (("fit", "--degre", "3"), "unknown argument '--degre' (did you mean '--degree'?); see ecm-fast polynomial fit"),
         (("--json", "fit"), "unknown argument '--json': say it after polynomial fit; see ecm-fast polynomial fit"),

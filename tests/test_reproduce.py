@@ -266,7 +266,7 @@ def test_the_fit_meets_exact_positions_of_a_compressed_specimen(law, factor) -> 
     table = {"lam_l_N": 0.0 * push, "lam_r_N": 0.0 * push, "fx_N": -push, "x_m": 0.028 * (1.0 - short)}
     data = ecm.Measurements.from_columns({**table, "sigma_x_m": np.full(21, 1e-4)})
     bare = ecm.Mechanism().replace(length=0.028, mass_per_length=0.0, mass=0.0, axial_law=law)
-    fit = fitted(bare, data, {"EA": 5000.0}, (0,))
+    fit = fitted(bare, data, {"EA": 5000.0}, ("x",))
     assert fit.value[0] == pytest.approx(factor * 7448.94, rel=1e-7)
 
 

@@ -12,7 +12,7 @@ import traceback
 from collections.abc import Sequence
 
 from ..errors import InputError, NotConverged
-from . import effects, init, polynomial, predict, reproduce, solve
+from . import effects, identify, init, polynomial, predict, reproduce, solve
 from ._answer import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED, plain
 from ._arguments import parse
 from ._streams import note, write
@@ -22,6 +22,7 @@ __all__ = ["COMMANDS", "main"]
 COMMANDS = {
     "solve": solve.COMMAND,
     "predict": predict.COMMAND,
+    "identify": identify.COMMAND,
     "polynomial fit": polynomial.FIT,
     "polynomial eval": polynomial.EVAL,
     "effects": effects.COMMAND,

@@ -1,15 +1,14 @@
-"""Least squares on measured poses with exact derivatives: how the sections find parameters."""
+"""How the sections find parameters."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Measurements
+from ..identification import identify
 from ..mechanism import Mechanism
-from ..model import FiniteElementModel
 
 __all__ = ["Fit", "fitted"]
 
@@ -34,7 +33,13 @@ class Fit:
 
 
 def fitted(
-    neck: Mechanism, data: Measurements, start: Mapping[str, float], channels: Sequence[int], **division: int
+    neck: Mechanism,
+    data: Measurements,
+    start: Mapping[str, float],
+    channels: Sequence[str],
+    *,
+    elements: int = 1,
+    order: int = 5,
 ) -> Fit:
     """Return the parameters at which the model meets the measured channels best, by least squares (42).
 
@@ -42,27 +47,9 @@ def fitted(
     ----------
     neck : all that is known
     start : values by the names of the parameters to find
-    channels : 0 to 2, for x, z, theta
-    division : elements and order, see `FiniteElementModel`
+    channels : of x, z, theta
+    elements, order : the discretization, see `FiniteElementModel`
     """
-    from scipy.optimize import least_squares
-
-    names, size, picked = list(start), np.array(list(start.values())), list(channels)
-    sigma = np.column_stack([data.sigma_x, data.sigma_z, data.sigma_theta])[:, picked]
-
-    def solved(share: Array) -> Any:
-        model = FiniteElementModel(neck.replace(**dict(zip(names, share * size, strict=True))), **division)
-        return model.sensitivities(names, data.lam, data.wrench)
-
-    def misfit(share: Array) -> Array:
-        return np.asarray((solved(share).pose - data.pose)[:, picked] / sigma).ravel()
-
-    def slope(share: Array) -> Array:
-        return np.asarray(solved(share).by_parameter[:, picked] / sigma[:, :, None] * size).reshape(-1, len(size))
-
-    found = least_squares(misfit, np.ones(len(size)), slope, method="lm", xtol=1e-12, ftol=1e-12, gtol=1e-12)
-    final = slope(found.x)
-    covariance = np.linalg.inv(final.T @ final)
-    residual = data.pose - solved(found.x).pose
-    rms = float(np.sqrt(np.mean((residual[:, picked] / sigma) ** 2)))
-    return Fit(found.x * size, np.sqrt(np.diag(covariance)) * size, residual, rms)
+    found = identify(neck.replace(**start), data, list(start), channels=channels, elements=elements, order=order)
+    std = np.array([estimate.std for estimate in found.parameters.values()])
+    return Fit(found.values, std, found.residual, float(np.sqrt(found.chi2 / found.used.sum())))

@@ -29,7 +29,7 @@ _SHEARED = {"1": ("33 N", 2405.0, 2.993), "2": ("66 N", 2422.0, 3.003)}
 _SHORTENING = 0.2
 _RATIO_BOUND, _DIVISION_BOUND = 0.005, 0.005
 _SIGMAS = 3.0
-_X, _SHEAR = (0,), (1, 2)
+_X, _SHEAR = ("x",), ("z", "theta")
 """Channels that enter the misfit, (43) and below (45)."""
 _PAPER = {"elements": 20, "order": 1}
 

@@ -1,0 +1,103 @@
+"""``ecm-fast identify``: the parameters at which the model meets measurements best."""
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InputError
+from ._answer import DONE, NOT_CONVERGED, Answer, Command, folder
+from ._arguments import add_model, discretization, finite_number, mechanism
+
+if TYPE_CHECKING:
+    from ..identification_result import Identification
+
+__all__ = ["COMMAND"]
+
+_SHOWN = 5
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("data", nargs="+", metavar="DATA", help="measurements with poses: .csv, .parquet or .mat")
+    parser.add_argument(
+        "--fit", nargs="+", required=True, metavar="NAME", help="parameters, such as EA GA EI; others keep their values"
+    )
+    parser.add_argument("--channels", nargs="+", metavar="C", help="which of x, z, theta count; default: all")
+    parser.add_argument(
+        "--prior",
+        action="append",
+        default=[],
+        nargs=3,
+        metavar=("NAME", "VALUE", "STD"),
+        help="what another test found, with its standard deviation; may be given for several parameters",
+    )
+    parser.add_argument("--loss", default="linear", metavar="L", help="linear, huber or soft_l1; default linear")
+    parser.add_argument("--force-sigma", type=finite_number, metavar="N", help="noise of the force readings [N]")
+    add_model(parser)
+
+
+def _run(args: argparse.Namespace) -> Answer:
+    from ..data import read_measurements
+    from ..identification import identify
+
+    neck, data = mechanism(args), [read_measurements(path) for path in args.data]
+    chosen: dict[str, Any] = {**discretization(args)}
+    if args.channels is not None:
+        chosen["channels"] = args.channels
+    fit = identify(
+        neck,
+        data,
+        args.fit,
+        priors=_priors(args.prior),
+        loss=args.loss,
+        force_sigma=args.force_sigma,
+        **chosen,
+    )
+    path = folder(args.out or "out") / "identified.toml"
+    fit.mechanism.to_toml(path)
+    shown = [f"left out: {where}: {reason}" for where, reason in fit.left_out[:_SHOWN]]
+    notes = (*(f"warning: {text}" for text in fit.warnings), *shown, f"wrote {path}")
+    return Answer(_answer(fit, str(path)), _text(fit), notes, DONE if fit.settled else NOT_CONVERGED)
+
+
+def _answer(fit: "Identification", path: str) -> dict[str, Any]:
+    return {
+        "parameters": {
+            name: {"value": found.value, "std": found.std, "lower": found.lower, "upper": found.upper}
+            for name, found in fit.parameters.items()
+        },
+        "rms": fit.rms,
+        "warnings": fit.warnings,
+        "correlation": fit.correlation,
+        "rows": fit.rows,
+        "left_out": [{"row": where, "reason": reason} for where, reason in fit.left_out],
+        "noise": fit.noise,
+        "chi2": fit.chi2,
+        "degrees_of_freedom": fit.dof,
+        "level": fit.level,
+        "solves": fit.solves,
+        "mechanism": path,
+    }
+
+
+def _text(fit: "Identification") -> str:
+    lines = [f"{fit.rows} rows; {fit.level:.0%} intervals"]
+    lines += [f"{name} {found}" for name, found in fit.parameters.items()]
+    rms = [(name.split("_"), value) for name, value in fit.rms.items() if value is not None]
+    lines.append(f"rms of measured less predicted: {', '.join(f'{n} {value:.6g} {unit}' for (n, unit), value in rms)}")
+    lines.append(f"noise: {', '.join(f'{name} {origin}' for name, origin in fit.noise.items())}")
+    return "\n".join(lines)
+
+
+def _priors(given: list[list[str]]) -> dict[str, tuple[float, float]]:
+    priors = {}
+    for name, *numbers in given:
+        try:
+            value, std = (finite_number(text) for text in numbers)
+        except argparse.ArgumentTypeError as error:
+            raise InputError(f"argument --prior {name}: {error}") from None
+        if name in priors:
+            raise InputError(f"argument --prior {name}: given twice")
+        priors[name] = value, std
+    return priors
+
+
+COMMAND = Command("find the parameters at which the model meets measurements best", _add_arguments, _run)
