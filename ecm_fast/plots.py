@@ -25,17 +25,27 @@ if TYPE_CHECKING:
     from matplotlib.colors import Colormap
     from matplotlib.figure import Figure
 
-__all__ = ["LARGEST_TENDON_FORCE", "plot_residuals", "plot_shape", "plot_workspace", "random_tendon_forces"]
+__all__ = [
+    "COLORS",
+    "FAINT",
+    "LARGEST_TENDON_FORCE",
+    "MINUS",
+    "canvas",
+    "plot_residuals",
+    "plot_shape",
+    "plot_workspace",
+    "random_tendon_forces",
+]
 
 Array = NDArray[np.float64]
 
 LARGEST_TENDON_FORCE = 160.0
 """[N], the end of the range in the paper's Fig. 4."""
 
-_MINUS = "\N{MINUS SIGN}"
+MINUS = "\N{MINUS SIGN}"
 _MM, _DEG = 1e3, 180.0 / np.pi
-_COLORS = ("#0b5394", "#c0392b", "#2e7d32", "#8e44ad", "#b9770e", "#117a8b", "#5d4037", "#ad1457")
-_FAINT = "#8a8f98"
+COLORS = ("#0b5394", "#c0392b", "#2e7d32", "#8e44ad", "#b9770e", "#117a8b", "#5d4037", "#ad1457")
+FAINT = "#8a8f98"
 _CHANNELS = (("x", "mm", _MM), ("z", "mm", _MM), ("θ", "deg", _DEG))
 _STYLE: Any = {
     "font.size": 9.0,
@@ -72,12 +82,12 @@ def plot_shape(model: FiniteElementModel, equilibria: Equilibrium | Sequence[Equ
     for i, eq in enumerate(several):
         if not eq.converged:
             raise InputError(f"equilibrium {i} cannot be drawn: {eq.message}")
-    with _figure(5.2, 4.0 + 0.18 * len(several)) as figure:
+    with canvas(5.2, 4.0 + 0.18 * len(several)) as figure:
         axes = figure.subplots()
         _plane(axes)
         _draw_base(axes, model, named=True)
         for i, eq in enumerate(several):
-            _draw_neck(axes, model, eq, _COLORS[i % len(_COLORS)])
+            _draw_neck(axes, model, eq, COLORS[i % len(COLORS)])
         _mirror(axes)
         if several:
             figure.legend(loc="outside lower center")
@@ -99,13 +109,13 @@ def plot_workspace(model: FiniteElementModel, n: int = 1000, rng: int | np.rando
     """
     pose = model.solve_batch(random_tendon_forces(n, rng)).pose
     x, z, theta = (pose * [_MM, _MM, _DEG]).T
-    with _figure(7.2, 3.4) as figure:
+    with canvas(7.2, 3.4) as figure:
         whole, close = figure.subplots(1, 2, width_ratios=(1.0, 1.35))
         _plane(whole)
         _draw_base(whole, model)
-        _draw_neck(whole, model, model.solve(), _FAINT)
+        _draw_neck(whole, model, model.solve(), FAINT)
         # a thousand vector circles would weigh more than the rest of a report
-        whole.plot(z, x, ".", color=_COLORS[0], markersize=1.5, rasterized=True, label="tip poses")
+        whole.plot(z, x, ".", color=COLORS[0], markersize=1.5, rasterized=True, label="tip poses")
         _mirror(whole)
         whole.set_title("neck at rest and tip poses")
         limit = float(np.abs(theta[np.isfinite(theta)]).max(initial=1e-9))
@@ -128,7 +138,7 @@ def plot_residuals(prediction: Prediction) -> Figure:
     shown = [i for i in range(len(_CHANNELS)) if known[:, i].any()]
     if not shown:
         raise InputError(f"{prediction.data.source}: nothing to draw, no row has a measured pose and a prediction")
-    with _figure(max(3.4, 2.6 * len(shown)), 4.0) as figure:
+    with canvas(max(3.4, 2.6 * len(shown)), 4.0) as figure:
         grid = figure.subplots(2, len(shown), squeeze=False, sharex="col", height_ratios=(2.0, 1.0))
         for (top, bottom), i in zip(grid.T, shown, strict=True):
             name, unit, scale = _CHANNELS[i]
@@ -138,15 +148,21 @@ def plot_residuals(prediction: Prediction) -> Figure:
 
 
 @contextmanager
-def _figure(width: float, height: float) -> Iterator[Figure]:
-    """Give a figure of `width` by `height` inches; what is drawn in the block has the style of the package."""
+def canvas(width: float, height: float, remark: str = "") -> Iterator[Figure]:
+    """Give a figure of `width` by `height` inches; what is drawn in the block has the style of the package.
+
+    A `remark` stands above everything, in a color that is not overlooked.
+    """
     try:
         import matplotlib
         from matplotlib.figure import Figure
     except ImportError:
         raise InputError("a picture needs matplotlib: pip install 'ecm-fast[plots]'") from None
     with matplotlib.rc_context(_STYLE):
-        yield Figure(figsize=(width, height), layout="constrained")
+        figure = Figure(figsize=(width, height), layout="constrained")
+        if remark:
+            figure.suptitle(remark, color=COLORS[1], fontsize=9.0, fontweight="bold")
+        yield figure
 
 
 def _plane(axes: Axes, *, equal: bool = True) -> None:
@@ -168,7 +184,7 @@ def _diverging() -> Colormap:
     """Return a map from blue over dark gray to red: matplotlib's own are lost on white paper in the middle."""
     from matplotlib.colors import LinearSegmentedColormap
 
-    return LinearSegmentedColormap.from_list("signed angle", [_COLORS[0], "#3f444b", _COLORS[1]])
+    return LinearSegmentedColormap.from_list("signed angle", [COLORS[0], "#3f444b", COLORS[1]])
 
 
 def _draw_base(axes: Axes, model: FiniteElementModel, *, named: bool = False) -> None:
@@ -215,20 +231,20 @@ def _draw_neck(axes: Axes, model: FiniteElementModel, eq: Equilibrium, color: st
 
 def _signed(value: float) -> str:
     """Return one decimal with a true minus sign, and no minus before a zero."""
-    return f"{round(value, 1) + 0.0:.1f}".replace("-", _MINUS)
+    return f"{round(value, 1) + 0.0:.1f}".replace("-", MINUS)
 
 
 def _draw_residuals(top: Axes, bottom: Axes, predicted: Array, residual: Array, name: str, unit: str) -> None:
     measured = predicted + residual
     ends = [min(predicted.min(), measured.min()), max(predicted.max(), measured.max())]
-    top.plot(ends, ends, color=_FAINT, linewidth=0.8, label="equal")
-    top.plot(predicted, measured, "o", color=_COLORS[0], markersize=4.0, label="rows")
+    top.plot(ends, ends, color=FAINT, linewidth=0.8, label="equal")
+    top.plot(predicted, measured, "o", color=COLORS[0], markersize=4.0, label="rows")
     top.set_ylabel(f"measured {name} [{unit}]")
     top.set_title(f"{name}: rms {np.sqrt(np.mean(residual**2)):.2g} {unit}")
-    bottom.axhline(0.0, color=_FAINT, linewidth=0.8)
-    bottom.vlines(predicted, 0.0, residual, color=_COLORS[1], linewidth=1.0)
-    bottom.plot(predicted, residual, "o", color=_COLORS[1], markersize=4.0)
-    bottom.set_ylabel(f"measured {_MINUS}\npredicted [{unit}]")
+    bottom.axhline(0.0, color=FAINT, linewidth=0.8)
+    bottom.vlines(predicted, 0.0, residual, color=COLORS[1], linewidth=1.0)
+    bottom.plot(predicted, residual, "o", color=COLORS[1], markersize=4.0)
+    bottom.set_ylabel(f"measured {MINUS}\npredicted [{unit}]")
     bottom.set_xlabel(f"predicted {name} [{unit}]")
     for axes in (top, bottom):
         axes.grid(True)

@@ -9,7 +9,7 @@ from ecm_fast.chain import Chain
 from ecm_fast.condensation import columns
 from ecm_fast.kernels.chain import follow_chain
 from ecm_fast.kernels.layout import H_NEGATIVE, N_LOADS
-from ecm_fast.model import QUADRATIC
+from ecm_fast.loads import QUADRATIC
 
 SLENDER = Mechanism.preset("slender")
 NECKS = {

@@ -3,20 +3,28 @@
 import argparse
 
 from ._answer import Answer, Command, folder
+from ._arguments import count
 from ._streams import note
 
 __all__ = ["COMMAND"]
 
 
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--only", metavar="SECTION", action="append", help="one section of the page, e.g. table1; may be repeated"
+    )
+    parser.add_argument("--seed", type=count, default=0, metavar="N", help="of all random loads; default 0")
+
+
 def _run(args: argparse.Namespace) -> Answer:
     from ..reproduce import reproduce
 
-    out = folder(args.out or "out")
-    result = reproduce(out, progress=note)
+    out = args.out or "out"
+    result = reproduce(out, only=args.only, seed=args.seed, progress=note)
     text = "\n".join(
         f"{claim.what}\n    theirs: {claim.theirs}; here: {claim.ours}\n    {claim.verdict}" for claim in result.claims
     )
-    return Answer(result.to_json(), text, (f"wrote {out}",))
+    return Answer(result.to_json(), text, (f"wrote {folder(out)}",))
 
 
-COMMAND = Command("the paper's tables and figures, and which of its claims hold", lambda parser: None, _run)
+COMMAND = Command("the paper's tables and figures, and which of its claims hold", _add_arguments, _run)

@@ -10,11 +10,31 @@ from numpy.typing import NDArray
 
 from ..report import Section
 
-__all__ = ["CHANNELS", "DEG", "MM", "NOT_GIVEN", "Claim", "Part", "by_channel", "plain", "shown", "verdict"]
+__all__ = [
+    "CHANNELS",
+    "COMPONENTS",
+    "DEG",
+    "MM",
+    "NOT_GIVEN",
+    "NOT_PUBLIC",
+    "SIMULATED",
+    "UNKNOWN",
+    "Claim",
+    "Part",
+    "by_channel",
+    "by_component",
+    "plain",
+    "shown",
+    "verdict",
+]
 
 CHANNELS = ("x_m", "z_m", "theta_rad")
+COMPONENTS = ("fx_N", "fz_N", "tau_Nm")
 MM, DEG = 1e3, 180.0 / math.pi
-NOT_GIVEN = "not given"
+NOT_GIVEN, UNKNOWN = "not given", "cannot be checked"
+NOT_PUBLIC = f"{UNKNOWN}: the measurements are not public"
+SIMULATED = "SIMULATED: no one measured this"
+"""The remark in every picture of the simulated test bed."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +46,7 @@ class Claim:
     what : in one sentence, with the bound it is held to
     theirs : the number of the paper or of the other source, or "not given"
     ours : the number found here
-    verdict : "holds", "differs by ..." or "cannot be checked"
+    verdict : "holds", "differs by ..." or "cannot be checked", the last perhaps with the reason
     """
 
     what: str
@@ -59,12 +79,17 @@ def by_channel(pose: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
     return dict(zip(CHANNELS, pose.T, strict=True))
 
 
+def by_component(wrench: NDArray[np.float64], prefix: str = "") -> dict[str, NDArray[np.float64]]:
+    """Return the columns of wrenches (n, 3), or of something about them, by name and unit."""
+    return {f"{prefix}{name}": column for name, column in zip(COMPONENTS, wrench.T, strict=True)}
+
+
 def plain(value: Any) -> Any:
     """Return `value` as JSON can hold it; what is not finite becomes None."""
     if isinstance(value, Mapping):
         return {name: plain(entry) for name, entry in value.items()}
+    if isinstance(value, (np.ndarray, np.generic)):
+        value = value.tolist()
     if isinstance(value, (list, tuple)):
         return [plain(entry) for entry in value]
-    if isinstance(value, np.generic):
-        value = value.item()
     return None if isinstance(value, float) and not math.isfinite(value) else value
