@@ -71,11 +71,11 @@ def test_the_walk_sees_relative_imports() -> None:
     assert "ecm_fast.errors.InputError" in imported(PACKAGE / "cli" / "__init__.py")
 
 
-def test_nothing_in_the_package_imports_the_oracle() -> None:
+def test_nothing_in_the_package_imports_the_oracle_but_to_time_it() -> None:
     sources = [path for path in PACKAGE.rglob("*.py") if "reference" not in path.relative_to(PACKAGE).parts]
     assert len(sources) > 20
-    guilty = {str(path) for path in sources if any(name.startswith("ecm_fast.reference") for name in imported(path))}
-    assert guilty == set()
+    guilty = {path.name for path in sources if any(name.startswith("ecm_fast.reference") for name in imported(path))}
+    assert guilty == {"benchmark.py"}
 
 
 def test_the_oracle_imports_no_kernel() -> None:
