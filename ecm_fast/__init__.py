@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .prediction import Prediction, predict
     from .quantity import Quantity
     from .training import TrainingSet, WrenchErrors, relative_errors, tip_wrenches, training_poses, training_rows
+    from .warm import Warmup, warmup
 
 _HOME = {
     "data": ("Measurements", "read_measurements"),
@@ -51,6 +52,7 @@ _HOME = {
         "training_poses",
         "training_rows",
     ),
+    "warm": ("Warmup", "warmup"),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}
 

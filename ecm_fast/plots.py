@@ -1,4 +1,4 @@
-"""Pictures: the neck as it stands, where its tip can go, how predictions meet measurements.
+"""Pictures: the neck as it stands, where its tip can go, how predictions meet measurements, how long solves take.
 
 Every function returns a matplotlib figure of its own, without pyplot and its global state. Matplotlib is optional and
 imported when the first picture is drawn.
@@ -6,9 +6,10 @@ imported when the first picture is drawn.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import io
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from .kernels import layout as at
 from .kernels.tip import tendon_directions
 from .model import FiniteElementModel
 from .prediction import Prediction
+from .timing import shown_time
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,8 +33,10 @@ __all__ = [
     "LARGEST_TENDON_FORCE",
     "MINUS",
     "canvas",
+    "picture_bytes",
     "plot_residuals",
     "plot_shape",
+    "plot_times",
     "plot_workspace",
     "random_tendon_forces",
 ]
@@ -145,6 +149,44 @@ def plot_residuals(prediction: Prediction) -> Figure:
             predicted, residual = (a[known[:, i], i] * scale for a in (prediction.pose, prediction.residual))
             _draw_residuals(top, bottom, predicted, residual, name, unit)
         return figure
+
+
+def plot_times(times: Mapping[str, Array]) -> Figure:
+    """Draw histograms of times, the paper's Fig. 7: one below the other, on one logarithmic axis.
+
+    Parameters
+    ----------
+    times : by what took them, (n,) each [s]
+
+    Raises
+    ------
+    InputError : matplotlib is missing.
+    """
+    every = np.concatenate(list(times.values()))
+    edges = np.geomspace(0.8 * every.min(), 1.25 * every.max(), 140)
+    with canvas(7.2, 0.6 + 0.36 * len(times)) as figure:
+        rows = figure.subplots(len(times), 1, sharex=True, squeeze=False)[:, 0]
+        for i, (axes, (name, own)) in enumerate(zip(rows, times.items(), strict=True)):
+            axes.hist(own, edges, color=COLORS[i % len(COLORS)])
+            axes.set_xscale("log")
+            axes.tick_params(which="both", left=False, labelleft=False, bottom=axes is rows[-1])
+            axes.spines["left"].set_visible(False)
+            axes.set_ylabel(name, rotation=0.0, ha="right", va="center")
+            axes.text(1.0, 0.5, shown_time(float(np.median(own))), transform=axes.transAxes, ha="left", va="center")
+            axes.grid(True, axis="x")
+        rows[0].set_title("median", loc="right")
+        rows[-1].set_xlabel("time of one solve [s]")
+        return figure
+
+
+def picture_bytes(figure: Figure, kind: Literal["svg", "png"]) -> bytes:
+    """Return a figure as the content of a file; the same picture, drawn anew, gives the same bytes."""
+    import matplotlib
+
+    content = io.BytesIO()
+    with matplotlib.rc_context({"svg.hashsalt": "ecm-fast", "svg.fonttype": "none"}):
+        figure.savefig(content, format=kind, dpi=200, metadata={"Date": None} if kind == "svg" else None)
+    return content.getvalue()
 
 
 @contextmanager

@@ -30,7 +30,9 @@ STEEL = SLENDER.replace(EA=1e8, GA=1e8, axial_law="hooke")
 BOX = np.array([[-330.0, -80.0, -11.0], [20.0, 80.0, 11.0]])
 """The wrench box: fx, fz [N], tau [N m], lowest and highest."""
 SETS = [
-    pytest.param(preset, load, id=f"{preset}-{load}") for preset in ("slender", "paper") for load in ("tendons", "box", "both")
+    pytest.param(preset, load, id=f"{preset}-{load}")
+    for preset in ("slender", "paper")
+    for load in ("tendons", "box", "both")
 ]
 
 
@@ -118,7 +120,9 @@ def test_the_default_tolerance_is_kept(preset, load):
     model, (lam, wrench) = FiniteElementModel(Mechanism.preset(preset)), cases(load, 20_000, seed=1)
     shares = [model.mechanism.beam.length, model.mechanism.beam.length, 1.0]
     pose, exact = (model.solve_batch(lam, wrench, **how).pose for how in ({}, {"tolerance": 1e-13}))
-    np.testing.assert_allclose(exact[:200], [eq.pose for eq in general(model, lam[:200], wrench[:200])], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        exact[:200], [eq.pose for eq in general(model, lam[:200], wrench[:200])], rtol=0, atol=1e-12
+    )
     assert np.linalg.norm((pose - exact) / shares, axis=1).max() < 1e-9
     rough = model.solve_batch(lam, wrench, tolerance=1e-5).pose
     assert np.linalg.norm((rough - exact) / shares, axis=1).max() < 1e-5

@@ -42,7 +42,7 @@ SMALL = {
     "trained": partial(trained, n=150, rows=60),
     "pose_alone": partial(pose_alone, n=30, pushes=31),
     "comparison": partial(comparison, n=150),
-    "times": partial(times, n=5, rounds=1),
+    "times": partial(times, n=5, batch=8, rounds=1),
 }
 SIMULATED = (
     "table1_stress",
@@ -54,10 +54,13 @@ SIMULATED = (
 PICTURES = (
     *SIMULATED,
     "shapes",
-    *(f"{name}_{preset}" for name in ("workspace", "wrenches", "pose_alone") for preset in ("slender", "paper")),
+    *(
+        f"{name}_{preset}"
+        for name in ("workspace", "wrenches", "pose_alone", "times")
+        for preset in ("slender", "paper")
+    ),
     "kinds",
     "pose_alone_buckling",
-    "times",
     "steel_cantilever",
     "silicone_cantilever",
 )

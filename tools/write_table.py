@@ -2,20 +2,21 @@
 
     python3 tools/run.py python tools/write_table.py
 
-Times are minima of short repetitions, all ways taken in turn within one run, after warm-up; read them as ratios.
-Errors are the largest over random tendon forces up to 160 N, against eight elements of order 6.
+Times are minima of short repetitions, all ways taken in turn within one run, after warm-up; read them as ratios. Errors
+are the largest over random tendon forces up to 160 N, against eight elements of order 6. The ratios below the table are
+those of `ratios`; with PyElastica installed (group `peers`) it is timed too.
 """
 
-import platform
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import ratios
 from scipy.linalg import solve_banded
 
 import ecm_fast as ecm
 from ecm_fast import reference
+from ecm_fast.timing import in_turn, machine
 
 README = Path(__file__).resolve().parent.parent / "README.md"
 START, END = "<!-- table: written by tools/write_table.py -->", "<!-- end of table -->"
@@ -27,17 +28,6 @@ MODELS = {
     "one element of order 6": (1, 6),
     "20 linear elements (the paper)": (20, 1),
 }
-
-
-def in_turn(ways: dict[str, Callable[[], object]], rounds: int) -> dict[str, float]:
-    """Return the shortest time of each way [s]; every round takes each way once."""
-    best = dict.fromkeys(ways, np.inf)
-    for _ in range(rounds):
-        for name, way in ways.items():
-            start = time.perf_counter()
-            way()
-            best[name] = min(best[name], time.perf_counter() - start)
-    return best
 
 
 def stepping(model: ecm.FiniteElementModel) -> Callable[[], object]:
@@ -66,34 +56,26 @@ def rows() -> list[str]:
     band[5] += 20.0
     ways["banded"] = lambda: solve_banded((5, 5), band, np.ones(60))
     p, mesh = reference.named(ecm.pack(NECK)), ecm.Discretization.of(20, 1)
-    for way in ways.values():
-        way()
-    best = in_turn(ways, 200)
-    best |= in_turn({"reference": lambda: reference.solve(p, mesh, [80.0, 40.0, 0.0, 0.0, 0.0, 1.0])}, 5)
+    ways["reference"] = lambda: reference.solve(p, mesh, [80.0, 40.0, 0.0, 0.0, 0.0, 1.0])
+    many = {name: 512 for name in ways if name.startswith("batch")} | {name: 20 for name in ways if "step" in name}
+    best = {name: found.per_case for name, found in in_turn(ways, cases=many).items()}
     lines = ["| | largest error (m, rad) | control step | one solve | in a batch, one core |", "|---|---|---|---|---|"]
     for name in models:
-        step, solve = best[f"step {name}"] / 20, best[f"solve {name}"]
-        batch = best[f"batch {name}"] / 512
+        step, solve = best[f"step {name}"], best[f"solve {name}"]
+        batch = best[f"batch {name}"]
         lines.append(f"| {name} | {error[name]:.0e} | {micro(step)} | {micro(solve)} | {micro(batch)} |")
     lines.append(f"| the same 20 elements in plain NumPy | | | {micro(best['reference'])} | |")
     lines.append(f"| for scale: one `scipy.linalg.solve_banded` of their size | | | {micro(best['banded'])} | |")
-    lines += ["", f"Measured with Python {platform.python_version()} on one core of {processor()}; "
-              "a control step follows a change of 0.1 N, the other solves start from the unloaded neck."]  # fmt: skip
-    return lines
+    used = machine()
+    lines += ["", f"Measured with Python {used['python']} and numba {used['numba']} on {used['processor']}, load "
+              f"{used['load']} on {used['cores']} cores; a control step follows a change of 0.1 N, the other solves "
+              "start from the unloaded neck, a batch on one core.", ""]  # fmt: skip
+    return lines + ratios.table()
 
 
 def micro(seconds: float) -> str:
     """Return a time in microseconds with three digits."""
     return f"{float(f'{seconds * 1e6:.3g}'):g} µs"
-
-
-def processor() -> str:
-    """Return the processor's name, where the system tells it."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        return platform.processor() or platform.machine()
-    return next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.machine())
 
 
 def main() -> None:

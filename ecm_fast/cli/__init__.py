@@ -12,7 +12,7 @@ import traceback
 from collections.abc import Sequence
 
 from ..errors import InputError, NotConverged
-from . import effects, identify, init, polynomial, predict, reproduce, solve
+from . import bench, effects, identify, init, polynomial, predict, reproduce, solve, warmup
 from ._answer import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED, plain
 from ._arguments import parse
 from ._streams import note, write
@@ -28,6 +28,8 @@ COMMANDS = {
     "effects": effects.COMMAND,
     "init": init.COMMAND,
     "reproduce": reproduce.COMMAND,
+    "bench": bench.COMMAND,
+    "warmup": warmup.COMMAND,
 }
 
 

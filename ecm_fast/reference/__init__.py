@@ -1,7 +1,8 @@
 """The model in plain NumPy, dense and slow: each formula once, with its number in the paper.
 
 Same names as in `ecm_fast.kernels`, but written from the mechanism's named parameters, not from the arrays that
-`kernels.prepare` makes. It is the oracle of the tests and a yardstick of time; no solver imports it.
+`kernels.prepare` makes. It is the oracle of the tests and a yardstick of time: of the package `benchmark` alone imports
+it.
 All forces accept complex parameters and coordinates, so that the complex step differentiates them to rounding.
 
 `p` is a mapping from a parameter's key to its value, see `named`.

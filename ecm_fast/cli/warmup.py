@@ -1,0 +1,29 @@
+"""``ecm-fast warmup``: compile every kernel now, so that nobody waits for it later."""
+
+import argparse
+from dataclasses import asdict
+
+from ._answer import Answer, Command, saved
+from ._streams import note
+
+__all__ = ["COMMAND"]
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--all", action="store_true", dest="everything", help="every order and degree, not the default ones alone"
+    )
+
+
+def _run(args: argparse.Namespace) -> Answer:
+    note("loading the compiler")
+    from ..warm import warmup
+
+    done = warmup(everything=args.everything, progress=note)
+    kept = "nowhere: set NUMBA_CACHE_DIR" if done.cache is None else f"in {done.cache}"
+    text = f"{done.compiled} kernels compiled, {done.from_cache} from the cache, in {done.seconds:.3g} s; kept {kept}"
+    answer = asdict(done)
+    return Answer(answer, text, saved(args, answer))
+
+
+COMMAND = Command("compile every kernel and keep it, so that nobody waits for it later", _add_arguments, _run)
