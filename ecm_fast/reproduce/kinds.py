@@ -42,10 +42,9 @@ def kinds(seed: int = 0, draws: int = 5, n: int = 1000, tests: int = 300) -> Par
         "The paper asks for polynomials with a symmetric stiffness, which have fewer coefficients. Such a polynomial "
         "is the gradient of one energy, of one degree more.",
         "Which to use: take the energy where a controller relies on a symmetric stiffness or on energy that is "
-        "conserved, and where training poses are few or noisy; it halves the coefficients, and on a short neck the "
-        "errors stay those of the free polynomial. Take the free polynomial where only accuracy at a given degree "
-        "counts, and always at even degrees on a slender neck, where the terms that fx needs imply terms of fz and "
-        "tau of one degree more.",
+        "conserved, and on a short neck wherever the number of coefficients counts, since one degree more costs few. "
+        "Take the free polynomial where only accuracy at a given degree counts, and always at even degrees on a "
+        "slender neck, where the terms that fx needs imply terms of fz and tau of one degree more.",
     )
     tables = tuple(_table(preset, found[preset], draws) for preset in PRESETS)
     picture = _picture(found)

@@ -1,8 +1,8 @@
 """Whether the pose of the tip alone fixes the wrench there: the assumption that the paper wants investigated.
 
-For a given neck it does, as long as the beam between its two ends does not buckle. It fails where something acts along
-the neck, or hangs on its head, that the polynomial was not trained with. The other way round, from a wrench to the
-pose, it fails at the load at which the free neck buckles.
+Along the axis of a given neck it does, as long as the beam between its two ends does not buckle. It fails where
+something acts along the neck, or hangs on its head, that the polynomial was not trained with. The other way round,
+from a wrench to the pose, it fails at the load at which the free neck buckles.
 """
 
 from collections.abc import Mapping
@@ -69,9 +69,9 @@ def pose_alone(seed: int = 0, n: int = 300, pushes: int = 61) -> Part:
         "changed neck is held where the unchanged one stands, and the wrench that this takes is compared. A change "
         "that shows in it cannot be seen in the pose. What is left when the mean over all poses is subtracted is the "
         "part that no constant offset mends.",
-        "One neck has several wrenches for one pose only when the beam buckles between its two held ends. Closed "
-        "form: P (g + P/GA) = (2 pi/L)^2 EI, with the stretch g that P gives by (19); with (pi/2L)^2 it is the load "
-        "at which the free neck buckles and one wrench has two poses.",
+        "Along its axis, one neck has several wrenches for one pose only where the beam buckles between its two held "
+        "ends. Closed form: P (g + P/GA) = (2 pi/L)^2 EI, with the stretch g that P gives by (19); with (pi/2L)^2 it "
+        "is the load at which the free neck buckles and one wrench has two poses.",
     )
     head = ("preset", "change", "largest fx [N]", "fz [N]", "tau [N m]", "of the range [%]", "rms less mean: fx [N]",
             "fz [N]", "tau [N m]")  # fmt: skip
