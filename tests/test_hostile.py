@@ -461,3 +461,87 @@ def test_any_arguments(words: list[str]) -> None:
         assert out.getvalue() == ""
     elif "--json" in words and not {"--help", "-h", "--version"} & set(words):
         assert isinstance(json.loads(out.getvalue(), parse_constant=pytest.fail), dict)
+
+
+# Every way in, with forces that are none or far too many: a status or one error, and the next good call is right
+
+
+IMPOSSIBLE = [np.nan, np.inf, -np.inf, -1.0, -1e300]
+COLOSSAL = [1e9, 1e154, 1e300, float(np.finfo(float).max)]
+WAYS = {"condensed": (1, 5), "chain": (20, 1), "chain of quadratics": (3, 2)}
+GOOD = np.random.default_rng(6).uniform(0.0, 160.0, (70, 2))
+
+
+def spoiled_rows(column: int) -> tuple[Any, Any, list[int]]:
+    """Return 70 good loads, and the same with bad numbers in one column (two of forces, three of the wrench)."""
+    lam, wrench, rows = GOOD.copy(), np.zeros((70, 3)), []
+    for i, value in enumerate([*IMPOSSIBLE[:3], *COLOSSAL, *(-number for number in COLOSSAL)]):
+        if column < 2 and value < 0.0:
+            continue  # refused for the whole batch
+        (lam if column < 2 else wrench)[7 * i % 70 + i // 10, column % 2 if column < 2 else column - 2] = value
+        rows.append(7 * i % 70 + i // 10)
+    return lam, wrench, rows
+
+
+@slow_uncompiled
+@pytest.mark.parametrize("column", range(5))
+@pytest.mark.parametrize("mesh", WAYS.values(), ids=WAYS)
+def test_spoiled_rows_have_a_status_and_the_others_their_poses(mesh: tuple[int, int], column: int) -> None:
+    model = FiniteElementModel(elements=mesh[0], order=mesh[1])
+    exact = model.solve_batch(GOOD, tolerance=1e-13).pose
+    lam, wrench, rows = spoiled_rows(column)
+    fine = np.setdiff1d(np.arange(70), rows)
+    par = np.tile(pack(model.mechanism), (70, 1))
+    many = np.concatenate([lam, np.resize(GOOD, (2100, 2))])  # enough that a start is fitted
+    for result in (
+        model.solve_batch(lam, wrench),
+        model.solve_batch(lam, wrench, parameters=par),
+        model.solve_batch(many, np.concatenate([wrench, np.zeros((2100, 3))])),
+        *([model.solve_batch(many)] if column < 2 else []),
+        model.sensitivities(["EI"], lam, wrench),
+    ):
+        assert result.stable[fine].all()
+        assert not result.stable[rows].any()
+        numbers_in = np.isfinite(np.hstack([lam, wrench])[rows]).all(axis=1)
+        assert ((result.status[rows] == Status.INVALID_INPUT) == ~numbers_in).all()
+        # a colossal pull has an equilibrium: the shear beam buckles in tension too
+        assert np.isnan(result.pose[rows]).all(axis=1).tolist() == (~result.converged[rows]).tolist()
+        np.testing.assert_allclose(result.pose[fine], exact[fine], rtol=0, atol=1e-9)
+    np.testing.assert_array_equal(model.solve_batch(GOOD, tolerance=1e-13).pose, exact)
+
+
+@slow_uncompiled
+@pytest.mark.parametrize("mesh", WAYS.values(), ids=WAYS)
+def test_after_any_single_load_the_next_solve_is_the_same_to_the_bit(mesh: tuple[int, int]) -> None:
+    model = FiniteElementModel(elements=mesh[0], order=mesh[1])
+    expected = model.solve((40.0, 10.0))
+    for value in [*IMPOSSIBLE, *COLOSSAL]:
+        for place in range(5):
+            loads = np.array([40.0, 10.0, 0.0, 0.0, 0.0])
+            loads[place] = value
+            try:
+                eq = model.solve(loads[:2], loads[2:])
+            except InputError as error:
+                one_line(error)
+                assert not np.isfinite(value) or (place < 2 and value < 0.0)
+            else:
+                answered(eq.pose, eq.status)
+            again = model.solve((40.0, 10.0))
+            assert again.pose.tolist() == expected.pose.tolist()
+            assert again.jacobian.tolist() == expected.jacobian.tolist()
+
+
+@pytest.mark.parametrize("mesh", WAYS.values(), ids=WAYS)
+def test_negative_forces_are_refused_by_row_at_every_way_in(mesh: tuple[int, int]) -> None:
+    model, lam = FiniteElementModel(elements=mesh[0], order=mesh[1]), GOOD.copy()
+    lam[3, 1] = -2.0
+    par = np.tile(pack(model.mechanism), (70, 1))
+    for call in (
+        lambda: model.solve_batch(lam),
+        lambda: model.solve_batch(lam, parameters=par),
+        lambda: model.solve_batch(np.concatenate([lam] * 30)),
+        lambda: model.sensitivities(["EI"], lam),
+    ):
+        with pytest.raises(InputError, match=r"^lam_r = -2.0 N in row 3: allowed is >= 0") as caught:
+            call()
+        one_line(caught.value)
