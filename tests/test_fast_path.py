@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from ecm_fast import FiniteElementModel, InputError, Mechanism, Status
+from ecm_fast.batching import WORTH_A_GUESS
 from ecm_fast.condensation import columns
 from ecm_fast.data import Measurements
 from ecm_fast.kernels.condensed import put_load, state_size, straighten
 from ecm_fast.kernels.layout import LANES, R_EXTREME, R_PIVOT, R_SIZE, R_THETA, R_X, R_Z
-from ecm_fast.batching import WORTH_A_GUESS
 from ecm_fast.loads import QUADRATIC
 from ecm_fast.parameters import find, index, pack, unpack
 from ecm_fast.testbed import equilibria
