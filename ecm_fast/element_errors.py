@@ -1,6 +1,7 @@
 """Load cases, the converged solution over them, and what a discretization is off by."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
 
@@ -8,19 +9,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .data import Measurements
-from .element_candidates import ending_at_jumps
+from .element_candidates import Candidate, ending_at_jumps
 from .equilibrium import BatchResult
 from .errors import InputError, shown
 from .mechanism import Mechanism
 from .model import FiniteElementModel
 from .training import WRENCH_BOX
 
-__all__ = ["LARGEST_TENDON_FORCE", "Converged", "LoadSet", "converged", "errors"]
+__all__ = ["LARGEST_TENDON_FORCE", "ROUNDING", "Converged", "LoadSet", "converged", "error_maps", "errors"]
 
 Array = NDArray[np.float64]
 LARGEST_TENDON_FORCE = 160.0
 # below these, Newton's last step and rounding hide what the discretization leaves
-_TOLERANCE, _ROUNDING = 1e-13, 1e-13
+_TOLERANCE, ROUNDING = 1e-13, 1e-13
 _FINEST_ORDER, _FINEST = 6, (4, 8, 16, 32, 64)
 
 
@@ -109,7 +110,7 @@ def converged(mechanism: Mechanism, loads: LoadSet) -> Converged:
         if last is not None:
             both = result.stable & last.stable
             before, gap = gap, float((np.abs(result.pose - last.pose) / length)[both].max(initial=0.0))
-            if gap <= _ROUNDING or gap > 0.25 * before:
+            if gap <= ROUNDING or gap > 0.25 * before:
                 break
         last = result
     stable = result.stable
@@ -118,8 +119,20 @@ def converged(mechanism: Mechanism, loads: LoadSet) -> Converged:
     return Converged(loads.select(stable), result.pose[stable], gap, count, int(np.sum(~stable)))
 
 
-def errors(model: FiniteElementModel, known: Converged) -> Array:
-    """Return the error of every case, (n,): the largest of x/L, z/L and theta; inf without a stable equilibrium."""
+def errors(model: FiniteElementModel, known: Converged) -> tuple[Array, Array]:
+    """Return two errors of every case, (n,) each: the largest of x/L, z/L and theta, and the tip's distance/L.
+
+    Both are inf where the model finds no stable equilibrium.
+    """
     length, result = model.mechanism.beam.length, known.loads.solve(model)
-    off = (np.abs(result.pose - known.pose) / [length, length, 1.0]).max(axis=1)
-    return np.where(result.stable, off, np.inf)
+    off = np.abs(result.pose - known.pose) / [length, length, 1.0]
+    distance = np.hypot(off[:, 0], off[:, 1])
+    return np.where(result.stable, off.max(axis=1), np.inf), np.where(result.stable, distance, np.inf)
+
+
+def error_maps(mechanism: Mechanism, chosen: Sequence[Candidate], side: int = 33) -> tuple[Array, Array]:
+    """Return tendon forces on a grid, (n, 2) [N], the left one slowest, and each candidate's errors there, (n, k)."""
+    ends = np.linspace(0.0, LARGEST_TENDON_FORCE, side)
+    known = converged(mechanism, LoadSet.of(np.stack(np.meshgrid(ends, ends, indexing="ij"), axis=-1).reshape(-1, 2)))
+    maps = [errors(candidate.model(mechanism), known)[0] for candidate in chosen]
+    return known.loads.lam, np.stack(maps, axis=1)

@@ -2,15 +2,15 @@
 
 import math
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .data import Measurements
 from .element_candidates import Candidate, candidates
-from .element_errors import Converged, LoadSet, converged, errors
+from .element_errors import ROUNDING, Converged, LoadSet, converged, errors
 from .errors import InputError, NotConverged, shown
 from .mechanism import Mechanism
 from .model import FiniteElementModel
@@ -33,14 +33,15 @@ _CASES, _FRESH = 300, 1000
 _SHORT, _ROUNDS, _MOST_CASES = 2e-3, 7, 1000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Measured:
-    """What one candidate costs and leaves; errors in shares of the length and rad, the largest of x, z and theta.
+    """What one candidate costs and leaves; errors are the largest of x/L, z/L and theta.
 
     Attributes
     ----------
     unknowns : free coordinates of the nodes
     error, median : over the load cases; inf where a case has no stable equilibrium
+    position : largest distance of the tip from its place, as a share of the length
     worst : (5,) tendon forces and dead wrench of the largest error [N, N, N, N, N m]
     failed : how many cases have no stable equilibrium
     time : of one solve in a batch on one core, from the straight beam to 1e-9 [s]
@@ -50,7 +51,8 @@ class Measured:
     unknowns: int
     error: float
     median: float
-    worst: tuple[float, ...] = field(repr=False)
+    position: float
+    worst: tuple[float, ...]
     failed: int
     time: float
 
@@ -59,8 +61,11 @@ class Measured:
         """What it is, leaves and costs: "one quartic element: 2e-7, 0.6 us"."""
         return f"{self.candidate.name}: {short(self.error)}, {self.time * 1e6:.2g} us"
 
+    def __repr__(self) -> str:
+        return f"Measured({self.sentence})"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class ElementStudy:
     """All candidates beside one another.
 
@@ -71,8 +76,8 @@ class ElementStudy:
     tolerance : that was asked for
     """
 
-    mechanism: Mechanism = field(repr=False)
-    rows: tuple[Measured, ...] = field(repr=False)
+    mechanism: Mechanism
+    rows: tuple[Measured, ...]
     known: Converged
     tolerance: float
 
@@ -84,7 +89,7 @@ class ElementStudy:
     @property
     def front(self) -> tuple[Measured, ...]:
         """Those that none beats both in time and in error, the fastest first."""
-        return pareto(self.rows, self.known.error)
+        return pareto(self.rows, max(self.known.error, ROUNDING))
 
     @property
     def sentence(self) -> str:
@@ -92,8 +97,11 @@ class ElementStudy:
         best = self.recommended
         return _none_keeps(self.rows, self.tolerance) if best is None else best.sentence
 
+    def __repr__(self) -> str:
+        return f"ElementStudy({len(self.rows)} candidates; for {self.tolerance:g}: {self.sentence})"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Choice:
     """The cheapest model that keeps a tolerance.
 
@@ -108,12 +116,15 @@ class Choice:
     model: FiniteElementModel
     measured: Measured
     fresh_error: float
-    runner_ups: tuple[Measured, ...] = field(repr=False)
+    runner_ups: tuple[Measured, ...]
 
     @property
     def error(self) -> float:
         """Largest error on the loads it was chosen on."""
         return self.measured.error
+
+    def __repr__(self) -> str:
+        return f"Choice({self.measured.sentence}; on fresh loads {short(self.fresh_error)})"
 
 
 def study_elements(
@@ -151,11 +162,13 @@ def study_elements(
 def _measure(
     mechanism: Mechanism, compared: Sequence[Candidate], known: Converged, progress: Callable[[str], None] | None
 ) -> tuple[Measured, ...]:
-    models, found, guesses = [], [], []
+    models: list[FiniteElementModel] = []
+    found, guesses, said = [], [], ""
     for i, candidate in enumerate(compared):
-        if progress is not None and (i == 0 or candidate.kind != compared[i - 1].kind):
-            done = 20 * i // len(compared)
-            progress(f"[{'#' * done}{'.' * (20 - done)}] {candidate.kind}")
+        what = f"{candidate.kind} elements, {candidate.mesh}"
+        if progress is not None and what != said:
+            done, said = 20 * i // len(compared), what
+            progress(f"[{'#' * done}{'.' * (20 - done)}] {what}")
         model = candidate.model(mechanism)
         known.loads.select(np.arange(1)).solve(model)  # what is made on first use is not timed
         start = time.perf_counter()
@@ -171,12 +184,15 @@ def _measure(
     )
 
 
-def _measured(candidate: Candidate, model: FiniteElementModel, off: Array, loads: LoadSet, seconds: float) -> Measured:
+def _measured(
+    candidate: Candidate, model: FiniteElementModel, both: tuple[Array, Array], loads: LoadSet, seconds: float
+) -> Measured:
+    off, distance = both
     worst = int(np.argmax(off))
     where = (*loads.lam[worst].tolist(), *loads.wrench[worst].tolist())
     unknowns = 3 * (model.discretization.nodes.size - 1)
-    failed = int(np.isinf(off).sum())
-    return Measured(candidate, unknowns, float(off[worst]), float(np.median(off)), where, failed, seconds)
+    sizes = float(off[worst]), float(np.median(off)), float(distance.max())
+    return Measured(candidate, unknowns, *sizes, where, int(np.isinf(off).sum()), seconds)
 
 
 def _times(models: Sequence[FiniteElementModel], loads: LoadSet, guesses: Sequence[float]) -> list[float]:
@@ -207,16 +223,20 @@ def pareto(rows: Sequence[Measured], resolution: float = 0.0) -> tuple[Measured,
     return tuple(front)
 
 
-def needed(rows: Sequence[Measured], tolerance: float) -> int | None:
-    """Return how many even elements of one kind keep a tolerance, by a power law between neighbors; None: too few."""
-    known = sorted((row.candidate.elements, row.error) for row in rows if row.candidate.mesh == "even")
-    for i, (count, error) in enumerate(known):
+def needed(known: Iterable[tuple[int, float]], tolerance: float) -> int | None:
+    """Return how many elements keep a tolerance, by a power law between those known; None: more than those.
+
+    known : numbers of elements and their errors
+    """
+    fewer, larger = 0, math.inf
+    for count, error in sorted(known):
         if error <= tolerance:
-            fewer, larger = known[i - 1] if i else (0, math.inf)
             if fewer == 0 or not math.isfinite(larger) or error == 0.0:
                 return count
             share = math.log(larger / tolerance) / math.log(larger / error)
-            return min(count, max(fewer + 1, math.ceil(fewer * (count / fewer) ** share - 1e-9)))
+            between = fewer * math.exp(share * math.log(count / fewer))
+            return min(count, max(fewer + 1, math.ceil(between)))
+        fewer, larger = count, error
     return None
 
 
@@ -250,7 +270,7 @@ def choose_discretization(
     keep = sorted((row for row in study.rows if row.error <= tolerance), key=lambda row: row.time)
     for i, row in enumerate(keep):
         model = row.candidate.model(neck)
-        if (fresh_error := float(errors(model, check).max())) <= tolerance:
+        if (fresh_error := float(errors(model, check)[0].max())) <= tolerance:
             return Choice(model, row, fresh_error, tuple(keep[i + 1 :]))
     raise InputError(_none_keeps(study.rows, tolerance))
 

@@ -25,7 +25,15 @@ if TYPE_CHECKING:
     from matplotlib.colors import Colormap
     from matplotlib.figure import Figure
 
-__all__ = ["LARGEST_TENDON_FORCE", "plot_residuals", "plot_shape", "plot_workspace", "random_tendon_forces"]
+__all__ = [
+    "COLORS",
+    "LARGEST_TENDON_FORCE",
+    "new_figure",
+    "plot_residuals",
+    "plot_shape",
+    "plot_workspace",
+    "random_tendon_forces",
+]
 
 Array = NDArray[np.float64]
 
@@ -34,7 +42,7 @@ LARGEST_TENDON_FORCE = 160.0
 
 _MINUS = "\N{MINUS SIGN}"
 _MM, _DEG = 1e3, 180.0 / np.pi
-_COLORS = ("#0b5394", "#c0392b", "#2e7d32", "#8e44ad", "#b9770e", "#117a8b", "#5d4037", "#ad1457")
+COLORS = ("#0b5394", "#c0392b", "#2e7d32", "#8e44ad", "#b9770e", "#117a8b", "#5d4037", "#ad1457")
 _FAINT = "#8a8f98"
 _CHANNELS = (("x", "mm", _MM), ("z", "mm", _MM), ("θ", "deg", _DEG))
 _STYLE: Any = {
@@ -72,12 +80,12 @@ def plot_shape(model: FiniteElementModel, equilibria: Equilibrium | Sequence[Equ
     for i, eq in enumerate(several):
         if not eq.converged:
             raise InputError(f"equilibrium {i} cannot be drawn: {eq.message}")
-    with _figure(5.2, 4.0 + 0.18 * len(several)) as figure:
+    with new_figure(5.2, 4.0 + 0.18 * len(several)) as figure:
         axes = figure.subplots()
         _plane(axes)
         _draw_base(axes, model, named=True)
         for i, eq in enumerate(several):
-            _draw_neck(axes, model, eq, _COLORS[i % len(_COLORS)])
+            _draw_neck(axes, model, eq, COLORS[i % len(COLORS)])
         _mirror(axes)
         if several:
             figure.legend(loc="outside lower center")
@@ -99,13 +107,13 @@ def plot_workspace(model: FiniteElementModel, n: int = 1000, rng: int | np.rando
     """
     pose = model.solve_batch(random_tendon_forces(n, rng)).pose
     x, z, theta = (pose * [_MM, _MM, _DEG]).T
-    with _figure(7.2, 3.4) as figure:
+    with new_figure(7.2, 3.4) as figure:
         whole, close = figure.subplots(1, 2, width_ratios=(1.0, 1.35))
         _plane(whole)
         _draw_base(whole, model)
         _draw_neck(whole, model, model.solve(), _FAINT)
         # a thousand vector circles would weigh more than the rest of a report
-        whole.plot(z, x, ".", color=_COLORS[0], markersize=1.5, rasterized=True, label="tip poses")
+        whole.plot(z, x, ".", color=COLORS[0], markersize=1.5, rasterized=True, label="tip poses")
         _mirror(whole)
         whole.set_title("neck at rest and tip poses")
         limit = float(np.abs(theta[np.isfinite(theta)]).max(initial=1e-9))
@@ -128,7 +136,7 @@ def plot_residuals(prediction: Prediction) -> Figure:
     shown = [i for i in range(len(_CHANNELS)) if known[:, i].any()]
     if not shown:
         raise InputError(f"{prediction.data.source}: nothing to draw, no row has a measured pose and a prediction")
-    with _figure(max(3.4, 2.6 * len(shown)), 4.0) as figure:
+    with new_figure(max(3.4, 2.6 * len(shown)), 4.0) as figure:
         grid = figure.subplots(2, len(shown), squeeze=False, sharex="col", height_ratios=(2.0, 1.0))
         for (top, bottom), i in zip(grid.T, shown, strict=True):
             name, unit, scale = _CHANNELS[i]
@@ -138,7 +146,7 @@ def plot_residuals(prediction: Prediction) -> Figure:
 
 
 @contextmanager
-def _figure(width: float, height: float) -> Iterator[Figure]:
+def new_figure(width: float, height: float) -> Iterator[Figure]:
     """Give a figure of `width` by `height` inches; what is drawn in the block has the style of the package."""
     try:
         import matplotlib
@@ -168,7 +176,7 @@ def _diverging() -> Colormap:
     """Return a map from blue over dark gray to red: matplotlib's own are lost on white paper in the middle."""
     from matplotlib.colors import LinearSegmentedColormap
 
-    return LinearSegmentedColormap.from_list("signed angle", [_COLORS[0], "#3f444b", _COLORS[1]])
+    return LinearSegmentedColormap.from_list("signed angle", [COLORS[0], "#3f444b", COLORS[1]])
 
 
 def _draw_base(axes: Axes, model: FiniteElementModel, *, named: bool = False) -> None:
@@ -222,12 +230,12 @@ def _draw_residuals(top: Axes, bottom: Axes, predicted: Array, residual: Array, 
     measured = predicted + residual
     ends = [min(predicted.min(), measured.min()), max(predicted.max(), measured.max())]
     top.plot(ends, ends, color=_FAINT, linewidth=0.8, label="equal")
-    top.plot(predicted, measured, "o", color=_COLORS[0], markersize=4.0, label="rows")
+    top.plot(predicted, measured, "o", color=COLORS[0], markersize=4.0, label="rows")
     top.set_ylabel(f"measured {name} [{unit}]")
     top.set_title(f"{name}: rms {np.sqrt(np.mean(residual**2)):.2g} {unit}")
     bottom.axhline(0.0, color=_FAINT, linewidth=0.8)
-    bottom.vlines(predicted, 0.0, residual, color=_COLORS[1], linewidth=1.0)
-    bottom.plot(predicted, residual, "o", color=_COLORS[1], markersize=4.0)
+    bottom.vlines(predicted, 0.0, residual, color=COLORS[1], linewidth=1.0)
+    bottom.plot(predicted, residual, "o", color=COLORS[1], markersize=4.0)
     bottom.set_ylabel(f"measured {_MINUS}\npredicted [{unit}]")
     bottom.set_xlabel(f"predicted {name} [{unit}]")
     for axes in (top, bottom):

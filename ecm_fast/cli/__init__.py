@@ -12,7 +12,7 @@ import traceback
 from collections.abc import Sequence
 
 from ..errors import InputError, NotConverged
-from . import effects, init, polynomial, predict, reproduce, solve
+from . import effects, elements, init, polynomial, predict, reproduce, solve
 from ._answer import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED, plain
 from ._arguments import parse
 from ._streams import note, write
@@ -24,6 +24,7 @@ COMMANDS = {
     "predict": predict.COMMAND,
     "polynomial fit": polynomial.FIT,
     "polynomial eval": polynomial.EVAL,
+    "elements": elements.COMMAND,
     "effects": effects.COMMAND,
     "init": init.COMMAND,
     "reproduce": reproduce.COMMAND,
