@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from .data import Measurements, read_measurements
     from .discretization import Discretization
     from .effects import CATALOGUE, Effect
+    from .element_candidates import Candidate
+    from .element_errors import LoadSet
+    from .element_study import Choice, ElementStudy, choose_discretization, study_elements
     from .equilibrium import BatchResult, Equilibrium, Status
     from .errors import EcmError, InputError, NotConverged, OutOfRangeWarning, OutOfReach
     from .identification import identify
@@ -33,6 +36,9 @@ _HOME = {
     "data": ("Measurements", "read_measurements"),
     "discretization": ("Discretization",),
     "effects": ("CATALOGUE", "Effect"),
+    "element_candidates": ("Candidate",),
+    "element_errors": ("LoadSet",),
+    "element_study": ("Choice", "ElementStudy", "choose_discretization", "study_elements"),
     "equilibrium": ("BatchResult", "Equilibrium", "Status"),
     "errors": ("EcmError", "InputError", "NotConverged", "OutOfRangeWarning", "OutOfReach"),
     "identification": ("identify",),

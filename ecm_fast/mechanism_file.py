@@ -100,13 +100,16 @@ def _text(mechanism: Mechanism, entries: Mapping[str, Quantity], *, with_source:
         for name in cls.__dataclass_fields__:
             entry, value = entries[f"{section}.{name}"], getattr(getattr(mechanism, section), name)
             source = f" ({entry.status}: {entry.source})" if with_source else ""
-            unit = "" if entry.unit == "-" else f"[{entry.unit}] "
-            lines.append(f"{name} = {_literal(value)}  # {unit}{entry.meaning}{source}")
+            lines.append(f"{name} = {_literal(value)}  # {_unit(entry)}{entry.meaning}{source}")
     lines += ["", "[effects]  # absent means 0"]
     for name, value in mechanism.effects.items():
         entry = entries[f"effects.{name}"]
-        lines.append(f"{name} = {_literal(value)}  # [{entry.unit}] {entry.meaning}")
+        lines.append(f"{name} = {_literal(value)}  # {_unit(entry)}{entry.meaning}")
     return "\n".join(lines) + "\n"
+
+
+def _unit(entry: Quantity) -> str:
+    return "" if entry.unit == "-" else f"[{entry.unit}] "
 
 
 def _literal(value: float | str) -> str:

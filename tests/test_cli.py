@@ -323,7 +323,9 @@ def test_reproduce_gives_one_object_and_reports_progress_on_stderr(run: Run, mon
 TENSION = "allowed is a finite number >= 0 [N], a tendon only pulls; see ecm-fast solve --help"
 FINITE = "allowed is a finite number; see ecm-fast solve --help"
 WHOLE = "allowed is a whole number; see ecm-fast solve --help"
-COMMANDS = "solve, predict, identify, polynomial fit, polynomial eval, effects, init, reproduce, bench, warmup"
+COMMANDS = (
+    "solve, predict, identify, polynomial fit, polynomial eval, elements, effects, init, reproduce, bench, warmup"
+)
 SOLVE = ("solve", "--tendons", "1", "2")
 
 

@@ -60,10 +60,10 @@ def test_left_and_right_exchanged(law):
 
     What is odd among the effects is what the catalogue says. Only the order of a few sums differs.
     """
-    sizes = {name: 2.0 * effect.size.typical for name, effect in CATALOGUE.items() if effect.mirror != "path"}
-    signs = {name: -1.0 if CATALOGUE[name].mirror == "odd" else 1.0 for name in sizes}
-    mechanism = Mechanism().replace(axial_law=law, b=0.01, **{f"effects.{name}": size for name, size in sizes.items()})
-    mirrored = {f"effects.{name}": signs[name] * size for name, size in sizes.items()}
+    known = [effect for effect in CATALOGUE.values() if effect.mirror != "path"]
+    sizes = {effect.size.key: 2.0 * effect.size.typical for effect in known}
+    mechanism = Mechanism().replace(axial_law=law, b=0.01, **sizes)
+    mirrored = {effect.size.key: -sizes[effect.size.key] for effect in known if effect.mirror == "odd"}
     one = FiniteElementModel(mechanism).solve(LAM, WRENCH).raise_if_failed()
     other = FiniteElementModel(mechanism.replace(b=-0.01, **mirrored)).solve(LAM[::-1], WRENCH * np.array([1, -1, -1]))
     assert abs(one.z) > 1e-3
@@ -75,7 +75,7 @@ def test_every_length_scaled(scale, tolerance):
     """Dimensional analysis: lengths times s and EI times s^2 at the same forces scale the pose; powers of 2 exactly."""
     one = neck()
     names = ["length", "h", "b", "plate_half_width", "pulley_x", "pulley_z", "tendons.pulley_radius"]
-    names += ["neutral_axis_offset", "pulley_shift", "pulley_height_asymmetry"]
+    names += ["neutral_axis_offset", "pulley_shift", "pulley_height_asymmetry", "soft_spot.width"]
     changes = {name: scale * _value(one, name) for name in names}
     changes["EI"] = scale**2 * one.beam.EI
     changes["mass_per_length"] = one.beam.mass_per_length / scale
@@ -105,14 +105,14 @@ def _value(mechanism, name):
 def test_an_effect_of_zero_is_no_effect(name):
     """The baseline, bit for bit, at size zero, in a batch too; and a pose that moves at the typical size."""
     baseline = FiniteElementModel(Mechanism()).solve(LAM, WRENCH).pose
-    absent = FiniteElementModel(Mechanism().replace(**{f"effects.{name}": 0.0})).solve(LAM, WRENCH).pose
+    size = CATALOGUE[name].size
+    absent = FiniteElementModel(Mechanism().replace(**{size.key: 0.0})).solve(LAM, WRENCH).pose
     assert absent.tolist() == baseline.tolist()
     par = np.stack([pack(Mechanism())] * 2)
-    par[1, PARAMETERS.index(CATALOGUE[name].size)] = -0.0
+    par[1, PARAMETERS.index(size)] = -0.0
     batch = FiniteElementModel().solve_batch([LAM] * 2, [WRENCH] * 2, parameters=par)
     assert batch.pose[1].tolist() == batch.pose[0].tolist()
-    typical = {f"effects.{name}": CATALOGUE[name].size.typical}
-    present = FiniteElementModel(Mechanism().replace(**typical)).solve(LAM, WRENCH).pose
+    present = FiniteElementModel(Mechanism().replace(**{size.key: size.typical})).solve(LAM, WRENCH).pose
     assert np.abs(present - baseline).max() > 1e-6
 
 

@@ -211,7 +211,7 @@ def test_pack_puts_every_number_at_its_place() -> None:
     neck = Mechanism.preset("paper").replace(axial_law="hooke", gravity_tilt=0.3, pulley_shift=-0.002)
     par = dict(zip([entry.key for entry in PARAMETERS], pack(neck).tolist(), strict=True))
     expected = {key: value for key, (value, _) in THEORY.items()}
-    expected |= {f"effects.{name}": 0.0 for effect in CATALOGUE.values() for name in [effect.size.name]}
+    expected |= {entry.key: entry.default for effect in CATALOGUE.values() for entry in effect}
     expected |= {"beam.length": 0.040, "beam.axial_law": 1.0}
     expected |= {"effects.gravity_tilt": 0.3, "effects.pulley_shift": -0.002}
     assert par == expected
@@ -230,8 +230,9 @@ def test_a_vector_that_is_none() -> None:
 
 
 FULL = Mechanism.preset("paper").replace(
-    axial_law="hooke", EA=1.0 / 3.0, GA=1e15, EI=1e-12, b=-5e-324, g=-9.8, pulley_shift=-0.1, precurvature=math.pi
-)
+    axial_law="hooke", EA=1.0 / 3.0, GA=1e15, EI=1e-12, b=-5e-324, g=-9.8, pulley_shift=-0.1, precurvature=math.pi,
+    **{"soft_spot.size": 0.2, "soft_spot.width": 0.02},
+)  # fmt: skip
 
 
 def test_a_file_reads_back_to_the_same_mechanism(tmp_path: Path) -> None:
@@ -252,6 +253,9 @@ def test_the_template_is_the_preset_and_says_where_every_value_comes_from(tmp_pa
         assert f"({expected}: " in lines[key.split(".")[1]]
 
 
+SOFT = Mechanism().replace(**{"soft_spot.size": 0.1, "soft_spot.place": 0.5})
+
+
 def test_every_key_is_optional(tmp_path: Path) -> None:
     path = tmp_path / "neck.toml"
     for content, expected in {
@@ -261,6 +265,9 @@ def test_every_key_is_optional(tmp_path: Path) -> None:
         'preset = "paper"\n[beam]\nEI = 2': Mechanism.preset("paper").replace(EI=2.0),
         "[effects]\nprecurvature = 0.2": Mechanism().replace(precurvature=0.2),
         "[effects.precurvature]\nprecurvature = 0.2": Mechanism().replace(precurvature=0.2),
+        "[effects]\nsoft_spot = 0.1": Mechanism().replace(**{"soft_spot.size": 0.1}),
+        "[effects.soft_spot]\nsize = 0.1\nplace = 0.5": SOFT,
+        "[effects]\nsoft_spot.size = 0.1\nsoft_spot.place = 0.5": SOFT,
         "\ufeff[head]\r\nh = 2.0 # as a plain editor of Windows writes it\r\n": Mechanism().replace(h=2.0),
     }.items():  # fmt: skip
         path.write_bytes(content.encode())
@@ -299,6 +306,11 @@ def test_the_example_of_the_interface_is_a_good_file(tmp_path: Path) -> None:
         ("[effects]\nclamp = 1", f"unknown effect effects.clamp (did you mean 'clamp_tilt'?); {LISTED}"),
         ("[effects]\nprecurvature = 1e3", f"effects.precurvature = 1000.0: {NUMBER} -100 to 100 1/m"),
         ("[effects.precurvature]\nsize = 1", "unknown key effects.precurvature.size; allowed are precurvature"),
+        (
+            "[effects.soft_spot]\nwith = 1",
+            "unknown key effects.soft_spot.with (did you mean 'width'?); allowed are size, place, width",
+        ),
+        ("[effects.soft_spot]\nplace = 2", f"effects.soft_spot.place = 2: {NUMBER} 0 to 1"),
         ('[beam]\n"a\\nb" = 1', f"unknown key beam.'a\\nb'; {BEAM_KEYS}"),
         ('[effects]\n"a\\nb" = 1', f"unknown effect effects.'a\\nb'; {LISTED}"),
     ],

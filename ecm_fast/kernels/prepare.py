@@ -44,6 +44,8 @@ MASS, COM_H, COM_B = index("head.mass"), index("head.h"), index("head.b")
 HALF_WIDTH, PULLEY_X, PULLEY_Z = index("plate_half_width"), index("pulley_x"), index("pulley_z")
 RADIUS, G = index("tendons.pulley_radius"), index("gravity.g")
 PRECURVATURE, NEUTRAL_AXIS_OFFSET = index("precurvature"), index("neutral_axis_offset")
+TAPER, SPOT, SPOT_PLACE = index("stiffness_taper"), index("soft_spot.size"), index("soft_spot.place")
+SPOT_WIDTH = index("soft_spot.width")
 CLAMP_TILT, GRAVITY_TILT, HEAD_MASS = index("clamp_tilt"), index("gravity_tilt"), index("effects.head_mass")
 PULLEY_HEIGHT, PULLEY_HEIGHT_ASYMMETRY = index("pulley_height"), index("pulley_height_asymmetry")
 PULLEY_SPACING, PULLEY_SHIFT = index("pulley_spacing"), index("pulley_shift")
@@ -51,6 +53,21 @@ PULLEY_SPACING, PULLEY_SHIFT = index("pulley_spacing"), index("pulley_shift")
 # largest last Newton step, in rad and shares of the length, and largest error of the contact force it may leave, as a
 # share of EI/length^2; Newton squares both once more
 TOLERANCE, FORCE_TOLERANCE = 1e-9, 1e-7
+
+
+@kernel
+def _profile(par, place, before, share):
+    """Stiffness at a Gauss point as a share of the mechanism's, [C3] of `reference.section`.
+
+    place : of the point; before, share : where the stretch of beam begins that it stands for, and how long that is;
+        all as shares of the length [-]
+    """
+    middle, half = par[SPOT_PLACE], 0.5 * par[SPOT_WIDTH] / par[LENGTH]
+    lower, upper = middle - half, middle + half
+    lower = lower if lower.real > before else before + 0.0 * lower
+    upper = upper if upper.real < before + share else before + share + 0.0 * upper
+    covered = (upper - lower) / share if upper.real > lower.real else 0.0 * lower
+    return (1.0 + par[TAPER] * (2.0 * place - 1.0)) / (1.0 + covered * par[SPOT] / (1.0 - par[SPOT]))
 
 
 @kernel
@@ -65,12 +82,15 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
     sin_tilt, cos_tilt = sincos(par[GRAVITY_TILT])
     gravity_x, gravity_z = -par[G] * cos_tilt, -par[G] * sin_tilt
     length = par[LENGTH]
+    before = 0.0
     for i in range(mesh.shape[0]):
+        profile = _profile(par, mesh[i, 0], before, mesh[i, 1])
+        before += mesh[i, 1]
         stations[i, S_WEIGHT] = mesh[i, 1] * length
         stations[i, S_INV_H] = mesh[i, 2] / length
-        stations[i, S_EA] = par[EA]
-        stations[i, S_GA] = par[GA]
-        stations[i, S_EI] = par[EI]
+        stations[i, S_EA] = par[EA] * profile
+        stations[i, S_GA] = par[GA] * profile
+        stations[i, S_EI] = par[EI] * profile
         stations[i, S_KAPPA0] = par[PRECURVATURE]
         stations[i, S_OFFSET] = par[NEUTRAL_AXIS_OFFSET]
         stations[i, S_HOOKE] = par[AXIAL_LAW]

@@ -8,10 +8,10 @@ All forces accept complex parameters and coordinates, so that the complex step d
 `p` is a mapping from a parameter's key to its value, see `named`.
 """
 
-from .assembly import energy, newton_step, residual, rest_coordinates, solve, tangent
+from .assembly import energy, newton_step, residual, rest_coordinates, solve, stations, tangent
 from .element import element_energy, element_force, element_tangent
 from .parameters import named
-from .section import axial_energy, axial_law, section_energy, section_law, section_stiffness, section_strains
+from .section import axial_energy, axial_law, section_energy, section_law, section_stiffness, section_strains, station
 from .tip import tendon, tip_energy, tip_stiffness, tip_wrench
 
 __all__ = [
@@ -30,6 +30,8 @@ __all__ = [
     "section_stiffness",
     "section_strains",
     "solve",
+    "station",
+    "stations",
     "tangent",
     "tendon",
     "tip_energy",

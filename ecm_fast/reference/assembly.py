@@ -8,16 +8,28 @@ import numpy as np
 from ..discretization import Discretization
 from .element import element_energy, element_force, element_tangent
 from .parameters import Parameters
+from .section import station
 from .tip import tip_energy, tip_stiffness, tip_wrench
 
-__all__ = ["energy", "newton_step", "residual", "rest_coordinates", "solve", "tangent"]
+__all__ = ["energy", "newton_step", "residual", "rest_coordinates", "solve", "stations", "tangent"]
 
 
-def _elements(p: Parameters, mesh: Discretization) -> Iterator[tuple[Any, slice]]:
-    """Yield each element's length and the place of its coordinates in q, (30) and (31)."""
-    for e, share in enumerate(mesh.shares):
+def stations(p: Parameters, mesh: Discretization) -> list[list[Parameters]]:
+    """Parameters at every Gauss point of every element."""
+    points = [station(p, *at) for at in zip(mesh.mesh[:, 0], _before(mesh), mesh.mesh[:, 1], strict=True)]
+    return [points[e : e + mesh.gauss] for e in range(0, len(points), mesh.gauss)]
+
+
+def _before(mesh: Discretization) -> Any:
+    """Where the stretch of beam begins that each Gauss point stands for [share of the length]."""
+    return np.concatenate([[0.0], np.cumsum(mesh.mesh[:-1, 1])])
+
+
+def _elements(p: Parameters, mesh: Discretization) -> Iterator[tuple[list[Parameters], Any, slice]]:
+    """Yield each element's stations, length and the place of its coordinates in q, (30) and (31)."""
+    for e, (points, share) in enumerate(zip(stations(p, mesh), mesh.shares, strict=True)):
         first = 3 * e * mesh.order
-        yield share * p["beam.length"], slice(first, first + 3 * (mesh.order + 1))
+        yield points, share * p["beam.length"], slice(first, first + 3 * (mesh.order + 1))
 
 
 def _weights(mesh: Discretization) -> Any:
@@ -36,16 +48,16 @@ def rest_coordinates(p: Parameters, mesh: Discretization) -> Any:
 def energy(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
     """Energy of the whole system [N m]: equilibria are where it is stationary, stable where it is least."""
     total = tip_energy(p, loads, q[-3:])
-    for h, place in _elements(p, mesh):
-        total = total + element_energy(p, mesh.basis, _weights(mesh), h, q[place], loads[5])
+    for points, h, place in _elements(p, mesh):
+        total = total + element_energy(points, mesh.basis, _weights(mesh), h, q[place], loads[5])
     return total
 
 
 def residual(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
     """[A0] Gradient of the energy, (3 n_nodes,): minus the bracket of (41). The clamped node's rows are reactions."""
     total = np.zeros(q.size, dtype=np.result_type(q, *p.values(), float))
-    for h, place in _elements(p, mesh):
-        total[place] += element_force(p, mesh.basis, _weights(mesh), h, q[place], loads[5])
+    for points, h, place in _elements(p, mesh):
+        total[place] += element_force(points, mesh.basis, _weights(mesh), h, q[place], loads[5])
     total[-3:] -= tip_wrench(p, loads, q[-3:])
     return total
 
@@ -53,8 +65,8 @@ def residual(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
 def tangent(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
     """Derivative of the residual by q, (3 n_nodes, 3 n_nodes), symmetric."""
     K = np.zeros((q.size, q.size))
-    for h, place in _elements(p, mesh):
-        K[place, place] += element_tangent(p, mesh.basis, _weights(mesh), h, q[place])
+    for points, h, place in _elements(p, mesh):
+        K[place, place] += element_tangent(points, mesh.basis, _weights(mesh), h, q[place])
     K[-3:, -3:] += tip_stiffness(p, loads, q[-3:])
     return K
 

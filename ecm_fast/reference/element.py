@@ -1,5 +1,9 @@
-"""One Lagrange element: energy, internal force less dead load, tangent."""
+"""One Lagrange element: energy, internal force less dead load, tangent.
 
+`stations` are the parameters of every Gauss point, see `section.station`.
+"""
+
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -24,17 +28,21 @@ def _kinematics(values: Any, slopes: Any, h: float, q: Any) -> tuple[Any, Any, A
     return np.array([values @ x, values @ z]), strains, B
 
 
-def element_energy(p: Parameters, basis: Any, weights: Any, h: float, q: Any, share: float = 1.0) -> Any:
+def element_energy(
+    stations: Sequence[Parameters], basis: Any, weights: Any, h: float, q: Any, share: float = 1.0
+) -> Any:
     """Energy of an element of length `h` and of its weight [N m]; its gradient is `element_force`."""
     total = 0.0
-    for values, slopes, weight in zip(*basis, weights, strict=True):
+    for p, values, slopes, weight in zip(stations, *basis, weights, strict=True):
         r, strains, _ = _kinematics(values, slopes, h, q)
         weight_density = share * p["beam.mass_per_length"] * gravity(p)
         total = total + weight * h * (section_energy(p, strains) - weight_density @ r)
     return total
 
 
-def element_force(p: Parameters, basis: Any, weights: Any, h: float, q: Any, share: float = 1.0) -> Any:
+def element_force(
+    stations: Sequence[Parameters], basis: Any, weights: Any, h: float, q: Any, share: float = 1.0
+) -> Any:
     """[E1] Internal force of an element less its dead load, (3 n_a,); zero everywhere in equilibrium.
 
         sum over Gauss points of  w h (B^T (N, Q, M) - share rho A N^T g)
@@ -42,8 +50,8 @@ def element_force(p: Parameters, basis: Any, weights: Any, h: float, q: Any, sha
     Written out, the rows of B^T give (36), with x', z' there the derivatives by arclength and the factor
     Delta L / 2 on the second part of the theta row; gravity is (38). `share` scales the dead load.
     """
-    force = np.zeros(q.size, dtype=np.result_type(q, *p.values(), float))
-    for values, slopes, weight in zip(*basis, weights, strict=True):
+    force = np.zeros(q.size, dtype=np.result_type(q, *stations[0].values(), float))
+    for p, values, slopes, weight in zip(stations, *basis, weights, strict=True):
         _, strains, B = _kinematics(values, slopes, h, q)
         density = share * p["beam.mass_per_length"] * gravity(p)
         force = force + weight * h * (B.T @ section_law(p, strains))
@@ -52,13 +60,13 @@ def element_force(p: Parameters, basis: Any, weights: Any, h: float, q: Any, sha
     return force
 
 
-def element_tangent(p: Parameters, basis: Any, weights: Any, h: float, q: Any) -> Any:
+def element_tangent(stations: Sequence[Parameters], basis: Any, weights: Any, h: float, q: Any) -> Any:
     """[E2] Derivative of `element_force` by q, (3 n_a, 3 n_a), symmetric.
 
     w h (B^T D B + N d2(gamma_x) + Q d2(gamma_z)),   d2 the second derivatives of the strains by q
     """
     K = np.zeros((q.size, q.size))
-    for values, slopes, weight in zip(*basis, weights, strict=True):
+    for p, values, slopes, weight in zip(stations, *basis, weights, strict=True):
         _, strains, B = _kinematics(values, slopes, h, q)
         N, Q, _ = section_law(p, strains)
         turn = values @ q[2::3]

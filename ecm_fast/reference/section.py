@@ -6,7 +6,15 @@ import numpy as np
 
 from .parameters import Parameters
 
-__all__ = ["axial_energy", "axial_law", "section_energy", "section_law", "section_stiffness", "section_strains"]
+__all__ = [
+    "axial_energy",
+    "axial_law",
+    "section_energy",
+    "section_law",
+    "section_stiffness",
+    "section_strains",
+    "station",
+]
 
 
 def section_strains(dr: Any, theta: Any, dtheta: Any) -> Any:
@@ -82,3 +90,22 @@ def section_stiffness(p: Parameters, strains: Any) -> Any:
             [coupling, 0.0, p["beam.EI"] + offset * coupling],
         ]
     )
+
+
+def station(p: Parameters, place: Any, before: Any, share: Any) -> Parameters:
+    """[C3] The parameters with the stiffnesses EA, GA, EI of one Gauss point.
+
+        (EA, GA, EI) (1 + t (2 s/L - 1)) / (1 + c v/(1 - v))
+
+    t is the taper; the soft spot takes the share v of the stiffness of a stretch of beam. A Gauss point stands for as
+    much of the beam as its weight says, from `before` to `before + share` [shares of the length], of which the soft
+    spot covers the share c: the compliance there is the mean one, and over the beam the soft spot adds the compliance
+    that it has, wherever the Gauss points are. With the ends of elements at its ends, c is 0 or 1.
+    """
+    half = 0.5 * p["effects.soft_spot.width"] / p["beam.length"]
+    ends = p["effects.soft_spot.place"] - half, p["effects.soft_spot.place"] + half
+    first, last = (min(max(end, before, key=np.real), before + share, key=np.real) for end in ends)
+    size = p["effects.soft_spot.size"]
+    taper = 1.0 + p["effects.stiffness_taper"] * (2.0 * place - 1.0)
+    profile = taper / (1.0 + (last - first) / share * size / (1.0 - size))
+    return {**p, **{key: p[key] * profile for key in ("beam.EA", "beam.GA", "beam.EI")}}

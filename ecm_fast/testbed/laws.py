@@ -28,6 +28,7 @@ __all__ = [
     "beam_weight",
     "camera",
     "clamp",
+    "jumps",
     "named",
     "section",
     "stiffness",
@@ -41,6 +42,8 @@ BUILT_IN = frozenset(
     {
         "precurvature",
         "neutral_axis_offset",
+        "stiffness_taper",
+        "soft_spot",
         "clamp_tilt",
         "pulley_height",
         "pulley_height_asymmetry",
@@ -102,7 +105,19 @@ def named(mechanism: Mechanism) -> dict[str, Any]:
 
 def stiffness(p: Parameters, s: float) -> tuple[Any, Any, Any]:
     """EA [N], GA [N] and EI [N m^2] at the undeformed arclength `s` [m] from the clamp."""
-    return p["beam.EA"], p["beam.GA"], p["beam.EI"]
+    L, middle = p["beam.length"], p["effects.soft_spot.place"]
+    soft = p["effects.soft_spot.size"] if abs(s - middle * L) < p["effects.soft_spot.width"] / 2.0 else 0.0
+    share = (1.0 + p["effects.stiffness_taper"] * (2.0 * s / L - 1.0)) * (1.0 - soft)
+    return p["beam.EA"] * share, p["beam.GA"] * share, p["beam.EI"] * share
+
+
+def jumps(p: Parameters) -> list[float]:
+    """Arclengths between clamp and tip at which `stiffness` jumps [m], in order."""
+    L, half = p["beam.length"], p["effects.soft_spot.width"] / 2.0
+    if p["effects.soft_spot.size"] == 0.0 or half == 0.0:
+        return []
+    middle = p["effects.soft_spot.place"] * L
+    return [s for s in (middle - half, middle + half) if 0.0 < s < L]
 
 
 def section(p: Parameters, s: float, strains: Array) -> Array:

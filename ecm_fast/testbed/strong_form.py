@@ -4,15 +4,17 @@
 
 The weight w is dead, so the contact force is known everywhere once it is known at the tip; the strains follow from
 contact force and couple through the laws of the section. The unknowns are n_x, n_z at the tip and M at the clamp.
+Where the stiffness jumps, the integration ends and begins anew: state and derivatives are continuous there.
 """
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .laws import Parameters, Rows, beam_weight, clamp, section
+from .laws import Parameters, Rows, beam_weight, clamp, jumps, section
 
 __all__ = ["differentiated", "integrate"]
 
@@ -21,6 +23,7 @@ Array = NDArray[Any]
 _TOLERANCE = 1e-11  # of the integrator, relative and in units of the beam's own size
 _MOST_TURNS = 1e2  # [rad]; an iterate that curls up more is stopped, lest all rows wait for it
 _SECTION_STEPS = 40
+_INSIDE = 1e-12  # share of the length; a piece of the beam never asks for the stiffness beyond its own ends
 _STEP = 1e-30  # complex step: the error is its square
 _PROBES = 1j * _STEP * np.eye(3)[:, :, None]
 
@@ -44,10 +47,14 @@ def integrate(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, NDArray
     start[:3, 1:], start[3, 3] = by_unknown, 1.0
     size, unit = np.array([L, L, 1.0, EI / L]), np.array([1.0, EI / L**2, EI / L**2, EI / L])
     absolute = np.repeat(_TOLERANCE * size[:, None] / unit, n)
-    path = solve_ivp(beam.slope, (0.0, L), start.ravel(), method="DOP853", rtol=_TOLERANCE, atol=absolute)
-    if not path.success:
-        beam.sound[:] = False
-    return path.y.reshape(4, 4, n, -1), beam.sound
+    ends, states = [0.0, *jumps(p), L], [start.reshape(-1, 1)]
+    for piece in pairwise(ends):
+        beam.piece = piece[0] + _INSIDE * L, piece[1] - _INSIDE * L
+        path = solve_ivp(beam.slope, piece, states[-1][:, -1], method="DOP853", rtol=_TOLERANCE, atol=absolute)
+        if not path.success:
+            beam.sound[:] = False
+        states.append(path.y[:, 1:] if path.y.shape[1] > 1 else path.y)
+    return np.concatenate(states, axis=1).reshape(4, 4, n, -1), beam.sound
 
 
 class _Beam:
@@ -59,6 +66,7 @@ class _Beam:
         self.rest = _strains(p, 0.0, np.zeros((3, 1)), np.array([[1.0], [0.0], [0.0]]))[0]
         self.strains = np.repeat(self.rest, n, axis=1)
         self.sound = np.ones(n, dtype=np.bool_)
+        self.piece = 0.0, length
 
     def slope(self, s: float, flat: Array) -> Array:
         """Derivative by arclength of the state and of its derivatives by the unknowns."""
@@ -67,7 +75,8 @@ class _Beam:
         n_x, n_z = self.tip_force + self.weight * (self.length - s)
         c, sn = np.cos(theta), np.sin(theta)
         N, Q = c * n_x - sn * n_z, sn * n_x + c * n_z
-        self.strains, flexibility = _strains(self.p, s, np.stack([N, Q, M]), self.strains)
+        inside = min(max(s, self.piece[0]), self.piece[1])
+        self.strains, flexibility = _strains(self.p, inside, np.stack([N, Q, M]), self.strains)
         gamma_x, gamma_z, kappa = self.strains
         out = np.empty_like(y)
         x, z = c * gamma_x + sn * gamma_z, c * gamma_z - sn * gamma_x

@@ -1,0 +1,61 @@
+"""``ecm-fast elements``: how few elements suffice, and of which kind."""
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from ._answer import Answer, Command, folder
+from ._arguments import finite_number, mechanism
+from ._streams import note
+
+if TYPE_CHECKING:
+    from ..element_study import ElementStudy
+
+__all__ = ["COMMAND"]
+
+_DRAWN = ("tendons", "box")
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--mechanism", metavar="F", help="mechanism file (TOML); default: the preset 'slender'")
+    parser.add_argument(
+        "--loads",
+        default="tendons",
+        metavar="LOADS",
+        help="'tendons', random forces from 0 to 160 N, the default; 'box', the paper's wrenches; or a data file",
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=finite_number,
+        default=1e-3,
+        metavar="E",
+        help="error of the tip that is allowed, in lengths of the beam and rad; default 1e-3",
+    )
+
+
+def _run(args: argparse.Namespace) -> Answer:
+    from ..report import require
+
+    require()
+    neck, loads = mechanism(args), _loads(args.loads)
+    out = folder(args.out or "out")
+    from ..element_report import summary, write_study
+    from ..element_study import study_elements
+
+    study = study_elements(neck, loads, args.tolerance, progress=note)
+    answer = {**summary(study), "report": write_study(study, out)}
+    return Answer(answer, _text(study), (f"wrote {out}",))
+
+
+def _loads(words: str) -> Any:
+    from ..data import read_measurements
+
+    return words if words in _DRAWN else read_measurements(words)
+
+
+def _text(study: "ElementStudy") -> str:
+    lines = [f"{len(study.known.loads)} load cases, errors known to {study.known.error:.0e}", "none beats:"]
+    lines += [f"    {row.sentence}" for row in study.front]
+    return "\n".join([*lines, f"for {study.tolerance:g}: {study.sentence}"])
+
+
+COMMAND = Command("how few elements suffice, and of which kind", _add_arguments, _run)
