@@ -405,6 +405,7 @@ def test_help_version_and_bad_arguments_load_no_library(tmp_path: Path) -> None:
         ["solve", "--tendons", "1", "2", "--jsn"],
         ["predict"],
         ["init", "--preset", "papr"],
+        ["elements", "--tolerance", "much"],
         ["effects"],
     ]
     code = (
