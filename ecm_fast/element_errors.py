@@ -12,6 +12,7 @@ from .data import Measurements
 from .element_candidates import Candidate, ending_at_jumps
 from .equilibrium import BatchResult
 from .errors import InputError, shown
+from .loads import numbers
 from .mechanism import Mechanism
 from .model import FiniteElementModel
 from .training import WRENCH_BOX
@@ -65,7 +66,7 @@ class LoadSet:
         if isinstance(loads, Measurements):
             plain = (loads.extra_mass == 0.0) & (loads.tilt == 0.0)
             return cls(loads.source, loads.lam[plain], loads.wrench[plain])
-        rows = np.atleast_2d(np.asarray(loads, dtype=np.float64))
+        rows = np.atleast_2d(numbers("loads", loads))
         if rows.ndim != 2 or rows.shape[1] not in (2, 5):
             raise InputError(f"loads have shape {rows.shape}: allowed is (n, 2) tendon forces, or (n, 5) with wrenches")
         return cls("given", rows[:, :2].copy(), rows[:, 2:].copy() if rows.shape[1] == 5 else np.zeros((len(rows), 3)))
@@ -104,6 +105,8 @@ class Converged:
 
 def converged(mechanism: Mechanism, loads: LoadSet) -> Converged:
     """Refine elements of order 6 until twice as many say the same to rounding; they end where the stiffness jumps."""
+    if not len(loads):
+        raise InputError(f"loads: {loads.name} has no case without extra mass and tilt")
     length, last, gap = np.array([mechanism.beam.length] * 2 + [1.0]), None, math.inf
     for count in _FINEST:
         result = loads.solve(FiniteElementModel(mechanism, ending_at_jumps(mechanism, count), _FINEST_ORDER))

@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike, NDArray
 from .errors import InputError, shown
 from .parameters import PARAMETERS
 
-__all__ = ["last_step", "many_loads", "one_load", "parameter_rows"]
+__all__ = ["last_step", "many_loads", "numbers", "one_load", "parameter_rows"]
 
 Array = NDArray[np.float64]
 # Newton's method leaves at most this times the square of its last step (measured: 0.3 for tendons, 4 for wrenches)

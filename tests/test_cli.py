@@ -417,7 +417,7 @@ def test_help_version_and_bad_arguments_load_no_library(tmp_path: Path) -> None:
         "    print(code, sorted({'numba', 'numpy', 'scipy', 'matplotlib', 'jinja2'} & set(sys.modules)))\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, timeout=60)
-    assert done.stdout.splitlines() == [f"{code} []" for code in (0, 0, 2, 2, 0, 2, 2, 2, 2, 0)]
+    assert done.stdout.splitlines() == [f"{code} []" for code in (0, 0, 2, 2, 0, 2, 2, 2, 2, 2, 0)]
 
 
 # What is not the user's fault

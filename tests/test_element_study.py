@@ -241,7 +241,14 @@ def test_load_sets():
     assert len({tuple(row) for row in np.abs(box.wrench[:8])}) == 2  # fx 330 or 20, fz 80, tau 11
     data = Measurements.from_columns({"lam_l_N": [1.0, 2.0], "fz_N": [3.0, 4.0], "extra_mass_kg": [0.0, 1.0]})
     assert LoadSet.of(data).wrench.tolist() == [[0.0, 3.0, 0.0]]
-    for loads, text in (("boxes", "loads = 'boxes': allowed is"), ([[1.0] * 3], r"loads have shape \(1, 3\)")):
+    tilted = Measurements.from_columns({"lam_l_N": [1.0], "tilt_rad": [0.1]})
+    for loads, text in (
+        ("boxes", "loads = 'boxes': allowed is"),
+        ([[1.0] * 3], r"loads have shape \(1, 3\)"),
+        ([["much", "more"]], "loads = "),
+        ([[-1.0, 1.0]], "lam_l = -1.0 N in row 0: allowed is >= 0"),
+        (tilted, "loads: measurements has no case without extra mass and tilt"),
+    ):
         with pytest.raises(InputError, match=rf"^{text}"):
             ecm.study_elements(loads=loads)
     with pytest.raises(InputError, match=r"^tolerance = 0\.0: allowed is a positive number$"):
