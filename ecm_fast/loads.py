@@ -9,7 +9,7 @@ from .parameters import PARAMETERS
 __all__ = ["last_step", "many_loads", "numbers", "one_load", "parameter_rows"]
 
 Array = NDArray[np.float64]
-# Newton's method leaves at most this times the square of its last step (measured: 0.3 for tendons, 4 for wrenches)
+# Newton's method leaves at most this times the square of its last step (measured: 0.4 under tendons, 1.2 with wrenches)
 QUADRATIC, MIN_TOLERANCE = 10.0, 1e-13
 
 
