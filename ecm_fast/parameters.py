@@ -31,6 +31,8 @@ for _entry in PARAMETERS:
 def find(name: str) -> Quantity:
     """Return the entry called `name`, either ``EA`` or, in full, ``beam.EA``.
 
+    A short name that an effect shares with a part of the mechanism is the part's.
+
     Raises
     ------
     InputError : no such name (with the nearest one), or a short name that two sections share.
@@ -38,6 +40,8 @@ def find(name: str) -> Quantity:
     if name in _PLACE:
         return PARAMETERS[_PLACE[name]]
     keys = _SHORT.get(name, [])
+    parts = [key for key in keys if not key.startswith("effects.")]
+    keys = parts or keys
     if len(keys) == 1:
         return PARAMETERS[_PLACE[keys[0]]]
     if keys:

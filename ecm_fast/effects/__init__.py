@@ -5,12 +5,14 @@ takes effect where its law is written: in `kernels.prepare` when it only changes
 in `kernels.section` or `kernels.tip` when it changes what happens during a solve. Value 0 means absent.
 """
 
-from . import environment, geometry, section
+from . import camera, ends, environment, forces, geometry, path, section
 from ._entry import Effect
 
 __all__ = ["CATALOGUE", "Effect"]
 
 CATALOGUE: dict[str, Effect] = {
-    effect.name: effect for family in (section, geometry, environment) for effect in family.EFFECTS
+    effect.name: effect
+    for family in (section, ends, geometry, forces, environment, camera, path)
+    for effect in family.EFFECTS
 }
 """Every effect by its name, in the order of the parameter vector."""

@@ -1,15 +1,15 @@
 """What the catalogue knows of one effect."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from ..quantity import Quantity
 
-__all__ = ["Effect", "Enters", "Mirror", "effect"]
+__all__ = ["Effect", "Enters", "Mirror", "also", "effect"]
 
 Enters = Literal["section", "clamp", "plate", "geometry", "force", "environment", "camera", "path"]
-Mirror = Literal["even", "odd", "path"]
+Mirror = Literal["even", "odd", "mixed", "path"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,11 +20,11 @@ class Effect:
     ----------
     name : canonical name, as in files, reports and code
     quantities : the size first (0 = absent), then what else it needs (place, angle, time), with a default
-    law : the law in one line, in the symbols of the paper
+    law : the law in one line, in the symbols of the paper; ``a`` is the size
     enters : the part of the model it changes
     family : look-alikes share a family
-    mirror : even or odd under exchange of left and right, or path if it depends on the order of loads
-    needs : what data must hold to see it beyond tendon forces and poses
+    mirror : even or odd under exchange of left and right, mixed, or path if it depends on the order of loads
+    needs : columns that the measurements must have for it to show
     """
 
     name: str
@@ -44,19 +44,32 @@ class Effect:
         return iter(self.quantities)
 
 
+def also(name: str, unit: str, meaning: str, default: float, bounds: tuple[float, float], typical: float) -> Quantity:
+    """Declare a further parameter of an effect; its full key is given by `effect`."""
+    return Quantity(name, unit, meaning, default, *bounds, typical, "assumed", "not given")
+
+
 def effect(
     name: str,
     law: str,
     unit: str,
     meaning: str,
-    *,
+    *more: Quantity,
     typical: float,
-    bound: float,
+    bounds: tuple[float, float],
     enters: Enters,
     family: str,
     mirror: Mirror,
+    size: str = "",
     needs: tuple[str, ...] = (),
 ) -> Effect:
-    """Declare an effect of one parameter with symmetric bounds and default 0."""
-    size = Quantity(f"effects.{name}", unit, meaning, 0.0, -bound, bound, typical, "zero")
-    return Effect(name, (size,), law, enters, family, mirror, needs)
+    """Declare an effect that is absent unless asked for.
+
+    more : further parameters, see `also`; with them `size` names the first one
+    typical : the size one expects, the scale of its prior
+    bounds : what a mechanism may have, in the same unit
+    """
+    key = f"effects.{name}"
+    first = Quantity(f"{key}.{size}" if more else key, unit, meaning, 0.0, *bounds, typical, "zero")
+    rest = (replace(entry, key=f"{key}.{entry.key}") for entry in more)
+    return Effect(name, (first, *rest), law, enters, family, mirror, needs)
