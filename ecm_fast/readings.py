@@ -92,7 +92,7 @@ class MeasuringChain:
         rows = self.rows(par)
         result = self._solve(rows, last2, threads)
         pose = result.pose
-        if par[_CAMERA].any():
+        if rows[:, _CAMERA].any():
             read(rows, pose)
         return pose, result.status, result.load_factor
 
@@ -110,7 +110,7 @@ class MeasuringChain:
         targets = [PARAMETERS[place].key for place in sorted({place for own in changes.values() for place in own})]
         asked = [*dict.fromkeys([*(key for key in keys if key not in ON_PATH), *targets])]
         found = sensitivities(self.mesh, asked, rows, *self._loads, last2)
-        self._see(rows, asked, found, always=bool(par[_CAMERA].any()))
+        self._see(rows, asked, found, always=bool(rows[:, _CAMERA].any()))
         if inherited:
             own = {key: found.by_parameter[:, :, i] for i, key in enumerate(asked)}
             columns = [self._inherited(own, changes[key]) if key in changes else own[key] for key in keys]

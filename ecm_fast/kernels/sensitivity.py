@@ -150,6 +150,15 @@ def prepare_complex(par, which, mesh, nodes, stations, tip, q_rest):
 
 
 @kernel
+def _changes(constants):
+    """Whether the imaginary step has reached any of these constants."""
+    for i in range(constants.shape[0]):
+        if constants[i].imag != 0.0:
+            return True
+    return False
+
+
+@kernel
 def _residual_change(basis, stations, tip, q_rest, loads, q, reaction, q_complex, res, K):
     """Derivative of the residual by the parameter in which `prepare_complex` stepped, into res.imag / STEP.
 
@@ -165,16 +174,19 @@ def _residual_change(basis, stations, tip, q_rest, loads, q, reaction, q_complex
     for i in range(3):  # the clamped node goes where the parameter puts it
         if tip[T_CLAMP_X + i].real == 0.0:
             q_complex[i] = complex(q[i], q_rest[i].imag + tip[T_CLAMP_X + i].imag * reaction[i])
-    for e in range(stations.shape[0] // n_gauss):
-        first = e * (m - 3)
-        own = stations[e * n_gauss : (e + 1) * n_gauss]
-        element_residual(basis, own, loads[L_GRAVITY], q_complex[first : first + m], res[first : first + m])
+    if _changes(stations.reshape(stations.size)) or _changes(q_complex[:3]):
+        for e in range(stations.shape[0] // n_gauss):
+            first = e * (m - 3)
+            own = stations[e * n_gauss : (e + 1) * n_gauss]
+            element_residual(basis, own, loads[L_GRAVITY], q_complex[first : first + m], res[first : first + m])
     for i in range(3):
         if tip[T_CLAMP_X + i].real > 0.0:
             rest = tip[T_CLAMP_TILT] if i == 2 else 0.0 * tip[T_CLAMP_TILT]
             res[i] += (q[i] - rest) / tip[T_CLAMP_X + i]
         else:
             res[i] = 0.0
+    if not _changes(tip):
+        return q_complex[n - 1]
     wrench = K[6:9]
     _, turned = tip_wrench(tip, loads, q_complex[n - 3], q_complex[n - 2], q_complex[n - 1], wrench, K)
     for i in range(3):

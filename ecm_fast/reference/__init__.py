@@ -9,10 +9,11 @@ All forces accept complex parameters and coordinates, so that the complex step d
 """
 
 from .assembly import energy, newton_step, residual, rest_coordinates, solve, stations, tangent
+from .camera import reading
 from .element import element_energy, element_force, element_tangent
-from .parameters import named
+from .parameters import length, named
 from .section import axial_energy, axial_law, section_energy, section_law, section_stiffness, section_strains, station
-from .tip import tendon, tip_energy, tip_stiffness, tip_wrench
+from .tip import head_pose, tendon, tendon_forces, tip_energy, tip_stiffness, tip_wrench
 
 __all__ = [
     "axial_energy",
@@ -21,8 +22,11 @@ __all__ = [
     "element_force",
     "element_tangent",
     "energy",
+    "head_pose",
+    "length",
     "named",
     "newton_step",
+    "reading",
     "residual",
     "rest_coordinates",
     "section_energy",
@@ -34,6 +38,7 @@ __all__ = [
     "stations",
     "tangent",
     "tendon",
+    "tendon_forces",
     "tip_energy",
     "tip_stiffness",
     "tip_wrench",
