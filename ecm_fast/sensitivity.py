@@ -19,7 +19,7 @@ from .parameters import find, index
 __all__ = ["Sensitivities", "sensitivities"]
 
 Array = NDArray[np.float64]
-# written out; every other parameter takes the complex step
+# written out for Lagrange elements; every other parameter takes the complex step
 STIFFNESSES = ("EA", "GA", "EI")
 
 
@@ -85,7 +85,7 @@ def sensitivities(
             mesh.tables, mesh.mesh, mesh.nodes, own, loads[todo], system, np.empty((todo.size, N_OUT)), verdict, nodes
         )
         status[todo], q[todo] = verdict, nodes
-    stiffness, others, columns = _sort(names)
+    stiffness, others, columns = _sort(names, STIFFNESSES if mesh.family == "lagrange" else ())
     out = np.empty((n, 3)), np.empty((n, 3, 2)), np.empty((n, 3, 3)), np.empty((n, 3, k))
     real, complex_ = _work(mesh, others.size)
     c_par = np.zeros(par.shape[1], dtype=complex)
@@ -96,14 +96,16 @@ def sensitivities(
     return Sensitivities(pose, jacobian, compliance, by[:, :, columns], tuple(names), status)
 
 
-def _sort(names: Sequence[str]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Return columns of EA, GA, EI (-1: not asked for), places of the others, and the columns by `names`."""
+def _sort(
+    names: Sequence[str], written_out: Sequence[str]
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Return columns of EA, GA, EI (-1: not among them), places of the others, and the columns by `names`."""
     keys = [find(name).key for name in names]
     if len(set(keys)) < len(keys):
         raise InputError(f"a parameter is named twice in {', '.join(names)}")
     if "beam.axial_law" in keys:
         raise InputError("axial_law is a choice, not a number: there is no derivative by it")
-    others = [key for key in keys if key not in {f"beam.{name}" for name in STIFFNESSES}]
+    others = [key for key in keys if key not in {f"beam.{name}" for name in written_out}]
     last = [key for key in keys if key not in others]
     columns = [others.index(key) if key in others else len(others) + last.index(key) for key in keys]
     place = {key: len(others) + i for i, key in enumerate(last)}
