@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._family import Family
-from ._polynomials import gauss_rule, integrals, lagrange, lobatto_nodes
+from ._polynomials import gauss_rule, lagrange, lobatto_nodes
 
 __all__ = ["STRAIN", "StrainTables"]
 
@@ -43,10 +43,23 @@ def _modes(order: int, places: Array) -> Array:
     return np.ascontiguousarray(np.polynomial.legendre.legvander(2.0 * places - 1.0, order - 1))
 
 
+def _integrals(gauss: int, upper: Array) -> Array:
+    """Integrals from 0 to `upper` of the polynomials that are 1 at one Gauss point, (len(upper), gauss).
+
+    By Legendre polynomials, which the Gauss points keep orthogonal: to rounding for any number of points.
+    """
+    points, weights = gauss_rule(gauss)
+    higher = np.polynomial.legendre.legvander(2.0 * upper - 1.0, gauss)
+    lower = np.concatenate([-np.ones((len(upper), 1)), higher[:, : gauss - 1]], axis=1)
+    # (2 k + 1) times the integral of P_k is half of P_{k + 1} - P_{k - 1}
+    result: Array = 0.5 * (higher[:, 1:] - lower) @ _modes(gauss, points).T * weights
+    return result
+
+
 def _tables(order: int, gauss: int) -> StrainTables:
     points, weights = gauss_rule(gauss)
     basis = lagrange(lobatto_nodes(order), points)
-    return StrainTables(weights, basis, _modes(order, points), weights - integrals(gauss, points))
+    return StrainTables(weights, basis, _modes(order, points), weights - _integrals(gauss, points))
 
 
 def _centerline(order: int, gauss: int, q: Array, places: Array) -> Array:
@@ -56,7 +69,7 @@ def _centerline(order: int, gauss: int, q: Array, places: Array) -> Array:
     ends = q[:, :, 0] + 1j * q[:, :, 1]
     inner = ends[:, 1:-1] @ _modes(order, points)[:, 1:].T
     mean = (ends[:, -1] - ends[:, 0] - (ways * inner) @ weights) / (ways @ weights)
-    r = ends[:, 0] + np.sum(integrals(gauss, places) * ways * (mean[:, None] + inner), axis=1)
+    r = ends[:, 0] + np.sum(_integrals(gauss, places) * ways * (mean[:, None] + inner), axis=1)
     theta = np.sum(lagrange(nodes, places)[0] * angles, axis=1)
     return np.stack([r.real, r.imag, theta], axis=1)
 
