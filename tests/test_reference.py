@@ -99,7 +99,7 @@ def test_element_is_the_reference_element(seed):
     for points, (share, rows, place) in zip(reference.stations(case.p, mesh), case.elements(), strict=True):
         q, h = case.q[place], share * case.p["beam.length"]
         res, K = np.zeros(q.size), np.zeros((q.size, q.size))
-        element_kernel.element(mesh.basis, stations[rows], case.loads[layout.L_GRAVITY], q, res, K)
+        element_kernel.element(mesh.basis, stations[rows], case.loads[layout.L_GRAVITY], q, res, K, np.empty(0))
         force = reference.element_force(points, mesh.basis, weights, h, q, case.loads[layout.L_GRAVITY])
         tangent = reference.element_tangent(points, mesh.basis, weights, h, q)
         assert_close(np.tril(K), np.tril(tangent))
