@@ -109,7 +109,7 @@ def test_element_is_the_reference_element(seed):
     for points, (share, rows, place) in zip(reference.stations(case.p, mesh), case.elements(), strict=True):
         q, h = case.q[place], share * reference.length(case.p)
         res, K = np.zeros(q.size), np.zeros((q.size, q.size))
-        element_kernel.element(mesh.basis, stations[rows], case.loads[layout.L_GRAVITY], q, res, K)
+        element_kernel.element(mesh.basis, stations[rows], case.loads[layout.L_GRAVITY], q, res, K, np.empty(0))
         force = reference.element_force(points, mesh.basis, weights, h, q, case.loads[layout.L_GRAVITY])
         tangent = reference.element_tangent(points, mesh.basis, weights, h, q)
         assert_close(np.tril(K), np.tril(tangent))
@@ -230,7 +230,8 @@ def test_newton_step_is_the_reference_step(seed):
     """Reference [A1]: the step by a dense solve, and the tip stiffness by dense condensation.
 
     Both lose digits to the condition of the tangent, 2e3 to 2e7 here (m and rad are mixed, and a clamp that gives way
-    by micrometers is a stiff spring). The tolerance is that many times the unit roundoff, 1e-16, which is the least a stable solve can be held to.
+    by micrometers is a stiff spring). The tolerance is that many times the unit roundoff, 1e-16, which is the least a
+    stable solve can be held to.
     """
     case = Case(seed, reach=0.1)
     step, K_tip, _ = case.newton_step()

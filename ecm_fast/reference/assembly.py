@@ -1,4 +1,4 @@
-"""The whole beam: energy, residual, tangent, Newton's method, all dense."""
+"""The whole beam: energy for every family; residual, tangent, Newton's method for Lagrange elements; all dense."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -8,10 +8,12 @@ import numpy as np
 from ..discretization import Discretization
 from .element import element_energy, element_force, element_tangent
 from .parameters import Parameters, length
+from .se2 import se2_energy
 from .section import station
+from .strain import strain_energy
 from .tip import tip_energy, tip_stiffness, tip_wrench
 
-__all__ = ["energy", "newton_step", "residual", "rest_coordinates", "solve", "stations", "tangent"]
+__all__ = ["energy", "gradient", "newton_step", "residual", "rest_coordinates", "solve", "stations", "tangent"]
 
 
 def stations(p: Parameters, mesh: Discretization) -> list[list[Parameters]]:
@@ -56,14 +58,24 @@ def energy(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
     """Energy of the whole system [N m]: equilibria are where it is stationary, stable where it is least."""
     total = tip_energy(p, loads, q[-3:])
     for points, h, place in _elements(p, mesh):
-        total = total + element_energy(points, mesh.basis, _weights(mesh), h, q[place], loads[5])
+        if mesh.family == "se2":
+            total = total + se2_energy(points, _weights(mesh), h, q[place], loads[5])
+        elif mesh.family == "strain":
+            total = total + strain_energy(points, mesh.order, h, q[place], loads[5])
+        else:
+            total = total + element_energy(points, mesh.basis, _weights(mesh), h, q[place], loads[5])
     for _, moved, stiffness in _springs(p, q):
         total = total + stiffness * moved**2 / 2.0
     return total
 
 
+def gradient(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
+    """Gradient of the energy by the complex step, (3 n_nodes,): the residual of elements of any family."""
+    return np.array([energy(p, mesh, loads, q + 1e-30j * unit).imag * 1e30 for unit in np.eye(q.size)])
+
+
 def residual(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
-    """[A0] Gradient of the energy, (3 n_nodes,): minus the bracket of (41).
+    """[A0] Gradient of the energy of Lagrange elements, (3 n_nodes,): minus the bracket of (41).
 
     The clamped node's rows are reactions, but where the clamp gives way.
     """
