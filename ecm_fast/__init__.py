@@ -36,6 +36,7 @@ _HOME = {
     "data": ("Measurements", "read_measurements"),
     "discretization": ("Discretization",),
     "effects": ("CATALOGUE", "Effect"),
+    "user_effects": ("effect", "remove_effect"),
     "element_candidates": ("Candidate",),
     "element_errors": ("LoadSet",),
     "element_study": ("Choice", "ElementStudy", "choose_discretization", "study_elements"),

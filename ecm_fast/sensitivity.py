@@ -15,7 +15,7 @@ from .kernels.batch import solve_many
 from .kernels.layout import L_FX, L_GRAVITY, N_LOADS, N_OUT, N_STATION, N_TIP
 from .kernels.newton import solve_work_size
 from .kernels.sensitivity import pose_sensitivities
-from .parameters import find, index
+from .parameters import PLACES, find, index
 
 __all__ = ["Sensitivities", "sensitivities"]
 
@@ -91,7 +91,7 @@ def sensitivities(
             mesh.tables, mesh.mesh, mesh.nodes, own, loads[todo], system, np.empty((todo.size, N_OUT)), verdict, nodes
         )
         status[todo], q[todo] = verdict, nodes
-    plain = mesh.family == "lagrange" and not par[:, _FURTHER].any()
+    plain = mesh.family == "lagrange" and not (par[:, _FURTHER].any() or par[:, len(PLACES) :].any())
     stiffness, others, columns = _sort(names, plain=plain)
     out = np.empty((n, 3)), np.empty((n, 3, 2)), np.empty((n, 3, 3)), np.empty((n, 3, k))
     real, complex_ = _work(mesh, others.size)

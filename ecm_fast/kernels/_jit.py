@@ -24,13 +24,15 @@ from pathlib import Path
 from typing import Any
 
 import numba
-from numba.core import types
+from llvmlite import ir
+from numba.core import cgutils, types
 from numba.extending import intrinsic, overload, register_jitable
 
 __all__ = [
     "CACHE_FOLDER",
     "array_at",
     "by_first_type",
+    "call_at",
     "call_kernel",
     "kernel",
     "ordered_kernel",
@@ -166,3 +168,33 @@ _carray: Any = numba.carray  # type: ignore[attr-defined]
 def array_at(address: int, size: int) -> Any:
     """Return the `size` numbers at `address` as an array; the caller answers for both."""
     return _carray(_pointer(address), (size,))
+
+
+_utilities: Any = cgutils
+
+
+@intrinsic
+def _called(typing_context: Any, address: Any, inputs: Any) -> Any:
+    """Call the C function at an address with an array of complex numbers; returns the three that it writes."""
+    kinds: Any = types
+    number, result = kinds.complex128, kinds.UniTuple(kinds.complex128, 3)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        value, count = context.get_value_type(number), len(inputs)
+        given = _utilities.alloca_once(builder, ir.ArrayType(value, count))
+        found = _utilities.alloca_once(builder, ir.ArrayType(value, 3))
+        first, zero = ir.IntType(32)(0), ir.IntType(32)
+        for i in range(count):
+            entry = builder.extract_value(arguments[1], i)
+            builder.store(entry, builder.gep(given, [first, zero(i)]))
+        pointer = value.as_pointer()
+        function = ir.FunctionType(ir.VoidType(), [pointer, pointer]).as_pointer()
+        law = builder.inttoptr(arguments[0], function)
+        builder.call(law, [builder.gep(given, [first, first]), builder.gep(found, [first, first])])
+        read = [builder.load(builder.gep(found, [first, zero(i)])) for i in range(3)]
+        return context.make_tuple(builder, result, read)
+
+    return result(types.int64, inputs), generate
+
+
+call_at: Any = _called
