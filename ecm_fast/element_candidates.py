@@ -29,7 +29,7 @@ _KINDS: tuple[tuple[str, int, int, tuple[int, ...]], ...] = (
     ("lagrange", 4, 4, _FEW),
     ("lagrange", 5, 5, _FEW),
     ("lagrange", 6, 6, _FEW),
-    ("se2", 1, 1, _MANY),
+    ("se2", 1, 1, _MANY[:-1]),
     ("strain", 2, 3, _FEW),
     ("strain", 3, 4, _FEW),
     ("strain", 4, 5, _FEW[:4]),

@@ -26,7 +26,7 @@ __all__ = ["plot_elements", "plot_error_maps", "summary", "write_study"]
 Array = NDArray[np.float64]
 _LOADS = ("lam_l_N", "lam_r_N", "fx_N", "fz_N", "tau_Nm")
 _MESHES = {"even": "o", "graded to the clamp": "v", "graded to the soft spot": "v", "ending at jumps": "s"}
-_MAPS = ("one cubic element", "one quintic element", "20 linear elements")
+_MAPS = ("one cubic element", "one quintic element", "20 linear elements", "20 SE(2) elements")
 
 
 def write_study(study: ElementStudy, folder: Path) -> Path:
@@ -147,7 +147,7 @@ def _table(study: ElementStudy) -> Table:
 
 def plot_elements(study: ElementStudy) -> Figure:
     """Draw errors against time and against unknowns, both axes logarithmic, with the Pareto front marked."""
-    with canvas(7.6, 4.2) as figure:
+    with canvas(7.6, 4.8) as figure:
         axes = figure.subplots(1, 2, sharey=True)
         for i, (kind, rows) in enumerate(by_kind(study).items()):
             for place, name in zip(axes, ("time", "unknowns"), strict=True):
@@ -158,6 +158,9 @@ def plot_elements(study: ElementStudy) -> Figure:
         for place, label in zip(axes, ("time of one solve [µs]", "unknowns"), strict=True):
             place.set_xscale("log")
             place.set_yscale("log")
+            for axis in (place.xaxis, place.yaxis):  # plain digits: powers are set as formulas, which takes a second
+                axis.set_major_formatter("{x:g}")
+                axis.set_minor_formatter("")
             place.set_xlabel(label)
             place.axhline(study.tolerance, color="black", linewidth=0.8, linestyle=":")
             place.grid(True)
@@ -221,7 +224,7 @@ def plot_error_maps(lam: Array, maps: Array, names: list[str]) -> Figure:
             axes.set_aspect("equal")
             axes.set_xlabel("left tendon [N]")
             axes.set_ylabel("right tendon [N]")
-            figure.colorbar(dots, ax=axes)
+            figure.colorbar(dots, ax=axes, format="%g")
         for axes in panels[len(names) :]:
             axes.set_axis_off()
         return figure

@@ -71,8 +71,9 @@ class _Found:
 
 
 def _how_few(study: ElementStudy) -> Iterator[str]:
+    most = {kind: max(row.candidate.elements for row in rows) for kind, rows in by_kind(study).items()}
     counts = counts_needed(study)
-    texts = [f"{_series(counts[kind])} {kind}" for kind in _ORDERS[:4] if kind in counts]
+    texts = [f"{_series(counts[kind], most[kind])} {kind}" for kind in _ORDERS[:4] if kind in counts]
     if texts:
         asked = _joined([short(error) for error in ASKED])
         yield f"To keep errors of the tip below {asked} it takes {'; '.join(texts)} elements of equal length."
@@ -119,13 +120,13 @@ def _knowing(found: _Found) -> Iterator[str]:
 
 def _uneven(found: _Found) -> Iterator[str]:
     for mesh in sorted(found.meshes):
-        own = [((kind, n, mesh), (kind, n, "even")) for kind in _ORDERS for n in (3, 4, 10)]
+        own = [((kind, n, mesh), (kind, n, "even")) for kind in (*_ORDERS, "SE(2)") for n in (3, 4, 10)]
         texts = [
-            f"{one.candidate.name} leave {short(one.error)}, as many equal ones {short(other.error)}"
+            f"{one.candidate.elements} {one.candidate.kind} {short(one.error)} instead of {short(other.error)}"
             for one, other in found.pairs(own)
         ]
         if texts:
-            yield f"Meshes {mesh}: {'; '.join(texts)}."
+            yield f"Elements {mesh} leave, beside as many equal ones: {'; '.join(texts)}."
 
 
 def _costs(row: Measured) -> str:
@@ -140,8 +141,8 @@ def _times(one: Measured, other: Measured) -> str:
     return f"{one.error / other.error:.2g}"
 
 
-def _series(counts: list[int | None]) -> str:
-    return _joined(["too many" if count is None else str(count) for count in counts])
+def _series(counts: list[int | None], most: int) -> str:
+    return _joined([f"more than {most}" if count is None else str(count) for count in counts])
 
 
 def _joined(words: list[str]) -> str:
