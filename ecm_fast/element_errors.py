@@ -1,6 +1,7 @@
 """Load cases, the converged solution over them, and what a discretization is off by."""
 
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
@@ -76,8 +77,8 @@ class LoadSet:
         return replace(self, lam=self.lam[which], wrench=self.wrench[which])
 
     def solve(self, model: FiniteElementModel) -> BatchResult:
-        """Solve all cases as exactly as Newton's method can."""
-        return model.solve_batch(self.lam, self.wrench, tolerance=_TOLERANCE)
+        """Solve all cases as exactly as Newton's method can, on all cores."""
+        return model.solve_batch(self.lam, self.wrench, tolerance=_TOLERANCE, threads=os.cpu_count() or 1)
 
     def __len__(self) -> int:
         return len(self.lam)

@@ -133,6 +133,7 @@ def study_elements(
     tolerance: float = 1e-3,
     *,
     compared: Sequence[Candidate] | None = None,
+    family: str | None = None,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
 ) -> ElementStudy:
@@ -144,6 +145,7 @@ def study_elements(
     loads : "tendons" or "box", of which 300 are drawn, or load cases, see `LoadSet.of`
     tolerance : of the tip pose, in shares of the length and rad, for the recommendation
     compared : the candidates; default `candidates` of the mechanism
+    family : the only one of which the default candidates are, see `families`; default all
     seed : of the drawn loads
     progress : called with one line of text before every part
 
@@ -154,9 +156,10 @@ def study_elements(
     neck = Mechanism() if mechanism is None else mechanism
     if not 0.0 < tolerance < math.inf:
         raise InputError(f"tolerance = {shown(tolerance)}: allowed is a positive number")
+    chosen = compared or candidates(neck, family)
     cases = LoadSet.drawn(loads, _CASES, seed) if isinstance(loads, str) else LoadSet.of(loads)
     known = converged(neck, cases)
-    return ElementStudy(neck, _measure(neck, compared or candidates(neck), known, progress), known, tolerance)
+    return ElementStudy(neck, _measure(neck, chosen, known, progress), known, tolerance)
 
 
 def _measure(
@@ -187,12 +190,11 @@ def _measure(
 def _measured(
     candidate: Candidate, model: FiniteElementModel, both: tuple[Array, Array], loads: LoadSet, seconds: float
 ) -> Measured:
-    off, distance = both
-    worst = int(np.argmax(off))
+    (off, distance), worst = both, int(np.argmax(both[0]))
     where = (*loads.lam[worst].tolist(), *loads.wrench[worst].tolist())
-    unknowns = 3 * (model.discretization.nodes.size - 1)
     sizes = float(off[worst]), float(np.median(off)), float(distance.max())
-    return Measured(candidate, unknowns, *sizes, where, int(np.isinf(off).sum()), seconds)
+    failed, unknowns = int(np.isinf(off).sum()), 3 * (model.discretization.nodes.size - 1)
+    return Measured(candidate, unknowns, *sizes, where, failed, seconds)
 
 
 def _times(models: Sequence[FiniteElementModel], loads: LoadSet, guesses: Sequence[float]) -> list[float]:
@@ -246,13 +248,14 @@ def choose_discretization(
     tolerance: float = 1e-6,
     *,
     compared: Sequence[Candidate] | None = None,
+    family: str | None = None,
     seed: int = 0,
 ) -> Choice:
     """Return the cheapest model that keeps a tolerance of the tip pose, checked on loads it was not chosen on.
 
     Parameters
     ----------
-    mechanism, tolerance, compared, seed : as for `study_elements`
+    mechanism, tolerance, compared, family, seed : as for `study_elements`
     loads : "tendons" or "box", of which 300 are drawn to choose and 1000 to check; or load cases, half for each
 
     Raises
@@ -262,7 +265,7 @@ def choose_discretization(
     """
     neck = Mechanism() if mechanism is None else mechanism
     first, fresh = _two_sets(loads, np.random.default_rng(seed))
-    study = study_elements(neck, first, tolerance, compared=compared)
+    study = study_elements(neck, first, tolerance, compared=compared, family=family)
     check = converged(neck, fresh)
     doubt = max(study.known.error, check.error)
     if doubt > 0.1 * tolerance:

@@ -247,6 +247,42 @@ def test_the_whole_test_bed_turned(family, angle):
     np.testing.assert_allclose(other.compliance, turn @ one.compliance @ turn.T, rtol=0.0, atol=scale)
 
 
+def with_a_shared_tangent(mesh):
+    """Coordinates of cubic elements by those of cubic Hermite elements, (3 n_nodes, m), the clamp's pose left out.
+
+    Neighbours share x' and z' at their common node; theta is the cubic Lagrange polynomial of both.
+    """
+    t, n, size = mesh.local_nodes, mesh.n_elements, mesh.nodes.size
+    cubics = np.stack([1 - 3 * t**2 + 2 * t**3, t - 2 * t**2 + t**3, 3 * t**2 - 2 * t**3, t**3 - t**2], axis=1)
+    places = np.zeros((size, 2 * n + 2))
+    for e in range(n):
+        places[3 * e : 3 * e + 4] = 0.0
+        places[3 * e : 3 * e + 4, 2 * e : 2 * e + 4] = cubics
+    parts = (places[:, 1:], places[:, 1:], np.eye(size)[:, 1:])
+    return np.hstack([np.kron(part, unit[:, None]) for part, unit in zip(parts, np.eye(3), strict=True)])
+
+
+def test_cubic_hermite_elements_gain_nothing():
+    """Theory: a shared tangent binds strains at the Gauss points, whose freedom makes Lagrange elements so exact.
+
+    Alone, a Hermite element is the cubic Lagrange element; two or four leave several times the error of as many.
+    """
+    mechanism = Mechanism.preset("slender")
+    p, loads = reference.named(pack(mechanism)), np.array([120.0, 10.0, 0.0, 0.0, 0.0, 1.0])
+    exact = FiniteElementModel(mechanism, 8, 6).solve(loads[:2]).raise_if_failed().pose
+    for elements in (1, 2, 4):
+        model = FiniteElementModel(mechanism, elements, 3)
+        mesh, own = model.discretization, model.solve(loads[:2]).raise_if_failed()
+        T, q = with_a_shared_tangent(mesh), reference.rest_coordinates(p, mesh)
+        for share in (0.5, *[1.0] * 8):
+            K, res = (of(p, mesh, share * loads, q) for of in (reference.tangent, reference.residual))
+            step = T @ np.linalg.solve(T.T @ K @ T, -T.T @ res)
+            q = q + step
+        assert np.abs(step).max() < 1e-12
+        ratio = np.abs(q[-3:] - exact).max() / np.abs(own.pose - exact).max()
+        assert ratio == pytest.approx(1.0, rel=1e-4) if elements == 1 else ratio > 5.0
+
+
 def critical_load():
     """Dead load at which the slender neck without weight buckles [N]: P (g(P) + P / GA) = pi^2 EI / (4 L^2)."""
     from scipy.optimize import brentq
