@@ -11,9 +11,11 @@ is shared with the finite element model, so a model may be tested on these measu
 
 from .equilibria import Equilibria, Outcome, equilibria
 from .experiments import compression_test, in_sequence, mass_test, shear_test, tendon_test, tilt_test
+from .outside import OUTSIDE
 from .sensors import Sensors, measure, readings
 
 __all__ = [
+    "OUTSIDE",
     "Equilibria",
     "Outcome",
     "Sensors",

@@ -12,7 +12,8 @@ from ..data_columns import COLUMNS
 from ..effects import CATALOGUE
 from ..errors import InputError, shown
 from ..mechanism import Effects, Mechanism
-from .laws import named, section
+from .laws import named
+from .section import section
 
 __all__ = ["compression_test", "in_sequence", "mass_test", "shear_test", "tendon_test", "tilt_test"]
 
