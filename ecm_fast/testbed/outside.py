@@ -27,13 +27,13 @@ class Outside(NamedTuple):
 OUTSIDE: Mapping[str, Outside] = {
     "guide_friction": Outside("lam exp(-a theta^2 dir): the tendons rub more as the neck bends", "1/rad^2", 0.5),
     "slack": Outside("lam = r (1 - exp(-(r/a)^2)): a tendon below its pre-load does not pull", "N", 15.0),
-    "thermal_cells": Outside("lam = r + a (1 - exp(-t/20 min)): the force cells warm up", "N", 1.5),
+    "thermal_cell": Outside("lam_l = r_l + a (1 - exp(-t/20 min)): the left force cell warms up", "N", 4.0),
     "wall": Outside("f_z - a (z - 12 mm) where z > 12 mm: the head touches a wall", "N/m", 2000.0),
     "plate_flexure": Outside("attachments at -a lam e_x^H: the plate bends under its tendons", "m/N", 5e-5),
     "out_of_plane_roll": Outside(
-        "z cos r, tan(theta) cos r, r = a (lam_l + lam_r)/(320 N): the head rolls", "rad", 0.25
+        "z cos r, tan(theta) cos r, r = a (lam_l + lam_r)/(320 N): the head rolls", "rad", 0.4
     ),
-    "camera_lag": Outside("pose + (pose before - pose) exp(-dwell/a): the camera logs too late", "s", 2.0),
+    "camera_lag": Outside("pose + (pose before - pose) exp(-dwell/a): the camera logs too late", "s", 6.0),
     "two_time_memory": Outside("M + a EI/L (theta - theta remembered), half of it for 5 s, half for 10 min", "-", 0.05),
 }
 """Every effect outside the catalogue by its name."""
@@ -41,7 +41,7 @@ OUTSIDE: Mapping[str, Outside] = {
 WALL = 0.012
 """Place of the wall along z [m]."""
 WARM_UP = 1.0 / 3.0
-"""Time in which the force cells warm up [h]."""
+"""Time in which the left force cell warms up [h]."""
 TIMES = (5.0, 600.0)
 """Time constants of the memory [s]."""
 FULL_LOAD = 320.0
@@ -64,8 +64,8 @@ def named(sizes: Mapping[str, float]) -> dict[str, float]:
 
 
 def cells(p: Parameters, lam: Array, hours: Array) -> Array:
-    """Forces (2, n) behind the readings (2, n) of cells that warm up, at tendons that may be slack."""
-    warmed = p["outside.thermal_cells"] * (1.0 - np.exp(-hours / WARM_UP))
+    """Forces (2, n) behind the readings (2, n) of cells of which one warms up, at tendons that may be slack."""
+    warmed = p["outside.thermal_cell"] * np.stack([1.0 - np.exp(-hours / WARM_UP), 0.0 * hours])
     if (size := p["outside.slack"]) == 0.0:
         return lam + warmed
     return lam * (1.0 - np.exp(-((lam / size) ** 2))) + warmed
