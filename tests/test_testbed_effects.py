@@ -65,9 +65,11 @@ def plain():
     return seen(Mechanism(), campaign())
 
 
-@pytest.fixture
-def quickly(quick):
-    return seen(Mechanism(), campaign())
+@pytest.fixture(scope="module")
+def quickly():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(strong_form, "_TOLERANCE", 1e-9)
+        return seen(Mechanism(), campaign())
 
 
 HARDLY = {"shear_cubic": 0.005}
