@@ -95,8 +95,8 @@ def hours(loads: Measurements) -> Array:
 def aged(p: Parameters, past: Past) -> Parameters:
     """Return the parameters of every row as its past has left them.
 
-    Stiffnesses fall with the largest load and with the time held, and drift; the couples of hysteresis and memory act
-    on every section, as a precurvature does.
+    Stiffnesses fall with the largest load and with the time held, and drift. Hysteresis and memory act on every section
+    as the precurvature that makes their couples in the new neck.
     """
     share = (
         (1.0 - p["effects.mullins_softening"] * past.peak)
@@ -107,7 +107,7 @@ def aged(p: Parameters, past: Past) -> Parameters:
     rub = p["effects.bending_hysteresis.couple"] * past.slider(p["effects.bending_hysteresis.angle"])
     turn = p["effects.fading_memory.share"] * past.gap(p["effects.fading_memory.time"])
     turn = turn + outside.memory(p, (past.gap(outside.TIMES[0]), past.gap(outside.TIMES[1])))
-    cast = p["effects.precurvature"] - rub / changed["beam.EI"] - turn / length(p)
+    cast = p["effects.precurvature"] - rub / p["beam.EI"] - turn / length(p)
     return {**p, **changed, "effects.precurvature": cast}
 
 
