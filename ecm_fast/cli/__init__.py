@@ -12,7 +12,7 @@ import traceback
 from collections.abc import Sequence
 
 from ..errors import InputError, NotConverged
-from . import bench, effects, elements, identify, init, polynomial, predict, reproduce, solve, warmup
+from . import bench, effects, elements, hide, identify, init, polynomial, predict, reproduce, score, solve, warmup
 from ._answer import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED, plain
 from ._arguments import parse
 from ._streams import note, write
@@ -27,6 +27,8 @@ COMMANDS = {
     "polynomial eval": polynomial.EVAL,
     "elements": elements.COMMAND,
     "effects": effects.COMMAND,
+    "hide": hide.COMMAND,
+    "score": score.COMMAND,
     "init": init.COMMAND,
     "reproduce": reproduce.COMMAND,
     "bench": bench.COMMAND,
