@@ -134,7 +134,9 @@ def _findings(
             out.append(_of_unit(names[name], name, value, model[name], reading))
         if reading.sign < 0.0:
             cure = f"turn the sign of {names[name][0]}: a stronger left tendon gives z > 0 and theta < 0"
-            out.append(Finding("mirrored", (), f"{names[name][0]}: its sign is the opposite of the model's", cure, True))
+            out.append(
+                Finding("mirrored", (), f"{names[name][0]}: its sign is the opposite of the model's", cure, True)
+            )
         if reading.offset != 0.0:
             out.append(_of_origin(names[name][0], name, reading, mechanism.beam.length))
     return sorted(out, key=lambda finding: not finding.certain)
@@ -143,7 +145,9 @@ def _findings(
 def _names(data: Measurements) -> dict[str, tuple[str, str]]:
     """Return for each quantity its column in the file, and the unit that this says."""
     return {
-        column.name: (name, unit) for name, (column, unit) in zip(data.columns, match(data.columns), strict=True) if unit
+        column.name: (name, unit)
+        for name, (column, unit) in zip(data.columns, match(data.columns), strict=True)
+        if unit
     }
 
 
@@ -177,7 +181,9 @@ def _of_forces(data: Measurements, names: Mapping[str, tuple[str, str]], word: s
     if word == "swapped":
         free = not (data.fz.any() or data.tau.any() or data.tilt.any())
         other = ", or mirror both z and theta: with tendon loads alone the two cannot be told apart" if free else ""
-        sentence = f"the neck bends towards the other side than {left[0]} and {right[0]} say: left and right are swapped"
+        sentence = (
+            f"the neck bends towards the other side than {left[0]} and {right[0]} say: left and right are swapped"
+        )
         return Finding("swapped", (), sentence, f"exchange the columns {left[0]} and {right[0]}{other}", True)
     factor = _FORCES[word]
     sentence = f"{left[0]}, {right[0]}: the neck bends as under {factor:.4g} times these forces, up to "
@@ -201,5 +207,3 @@ def _unexplained(named: tuple[str, str], reading: _Reading, mechanism: Mechanism
     cure = "no unit, sign or origin explains that: is this the mechanism file of this neck "
     cure += f"(length {mechanism.beam.length:g} m, EI {mechanism.beam.EI:g} N m^2)?"
     return Finding("unexplained", (), sentence, cure)
-
-
