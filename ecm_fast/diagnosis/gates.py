@@ -49,7 +49,8 @@ def _null(gram: Gram, seen: NDArray[np.bool_], dof: float, seed: int) -> Array:
     draws = rng.standard_normal((_DRAWS, root.shape[1])) @ root.T
     one_sided = gram.one_sided[seen]
     draws[:, ~one_sided] = np.abs(draws[:, ~one_sided])
-    return np.asarray(draws.max(axis=1) / np.sqrt(rng.chisquare(dof, _DRAWS) / dof))
+    common = np.sqrt(rng.chisquare(dof, _DRAWS) / dof) if np.isfinite(dof) else 1.0
+    return np.asarray(draws.max(axis=1) / common)
 
 
 def smooth_gate(residual: Array, nuisances: Array, smooth: Array, dof: float, stage: int, alpha: float) -> Gate:

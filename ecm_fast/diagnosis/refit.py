@@ -65,8 +65,12 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float]) -> Fit
     by_prior[np.arange(int(known.sum())), np.flatnonzero(known)] = 1.0 / std[known]
     by_prior[int(known.sum()) :, p:] = np.eye(shifts)
     lower, upper = solver.bounds()
-    first = np.array([start.get(key, float(own)) for key, own in zip(solver.names, problem.start(solver.names), strict=True)])
-    first[calibrated:] = np.clip(first[calibrated:], center[calibrated:] - _FAR * std[calibrated:], center[calibrated:] + _FAR * std[calibrated:])
+    first = np.array(
+        [start.get(key, float(own)) for key, own in zip(solver.names, problem.start(solver.names), strict=True)]
+    )
+    first[calibrated:] = np.clip(
+        first[calibrated:], center[calibrated:] - _FAR * std[calibrated:], center[calibrated:] + _FAR * std[calibrated:]
+    )
     shift = view.flat(view.weights.shift[view.rows])
     rows, whitening, here = view.rows, view.whitening, view.state.pose[view.rows]
 

@@ -70,7 +70,9 @@ class Found:
             sizes = tuple(fit.by_key()[candidates[i].keys[0]] for i in fit.model)
             names = tuple(candidates[i].name for i in fit.model)
             inside = not reason and behind < LIMITS[size]
-            yield Model(names, sizes, fit.evidence - self.null.evidence, self.null.total - fit.total, behind, inside, reason)
+            yield Model(
+                names, sizes, fit.evidence - self.null.evidence, self.null.total - fit.total, behind, inside, reason
+            )
 
 
 def refused(fit: Fit, view: View) -> str:
@@ -168,7 +170,9 @@ def _leaders(evidence: Array, allowed: NDArray[np.bool_], most: int) -> NDArray[
 
 def _ranked(fits: list[Fit], view: View) -> list[Fit]:
     """Return the fits, the best first, those that cannot be meant last."""
-    return sorted((fit for fit in fits if np.isfinite(fit.total)), key=lambda fit: (bool(refused(fit, view)), -fit.evidence))
+    return sorted(
+        (fit for fit in fits if np.isfinite(fit.total)), key=lambda fit: (bool(refused(fit, view)), -fit.evidence)
+    )
 
 
 def _start(

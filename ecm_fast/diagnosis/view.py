@@ -1,7 +1,7 @@
 """The problem seen from one set of values: everything linear there, residuals cleaned, all signatures side by side."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -58,8 +58,16 @@ class View:
     smooth: Array = field(repr=False)
 
     @classmethod
-    def at(cls, problem: Problem, values: Mapping[str, float], model: tuple[int, ...], noise: Noise) -> "View":
-        """Look at the rows that are not locked from `values`."""
+    def at(
+        cls,
+        problem: Problem,
+        values: Mapping[str, float],
+        model: tuple[int, ...],
+        noise: Noise,
+        *,
+        known: bool = False,
+    ) -> "View":
+        """Look at the rows that are not locked from `values`; with `known` noise the residuals tell nothing of it."""
         more = [key for i in model for key in problem.candidates[i].keys[1:]]
         solver = problem.solver((*(candidate.keys[0] for candidate in problem.candidates), *more))
         at = problem.start(solver.names)
@@ -73,15 +81,15 @@ class View:
         smooth = smooth_columns(problem.data, use)
         draft = cls(problem, model, values, state, solver.names, noise, weights, rows, problem.chain(rows),
                     _NOTHING, rows[:0], smooth)  # fmt: skip
-        cleaned = draft._clean()
+        cleaned = draft._as_declared() if known else draft._clean()
         if cleaned.outlier.any():
             kept = ~cleaned.outlier
             lost, rows = rows[~kept], rows[kept]
             chain = problem.chain(rows)
             cleaned = Cleaned(cleaned.residual[kept], cleaned.scale, cleaned.memory, cleaned.tail, cleaned.dof,
                               cleaned.outlier[kept])  # fmt: skip
-            return cls(problem, model, values, state, solver.names, noise, weights, rows, chain, cleaned, lost, smooth)
-        return cls(problem, model, values, state, solver.names, noise, weights, rows, draft.chain, cleaned, rows[:0], smooth)
+            return replace(draft, rows=rows, chain=chain, cleaned=cleaned, outliers=lost)
+        return replace(draft, cleaned=cleaned)
 
     # Raw pieces, whitened but neither scaled nor made independent from row to row
 
@@ -163,6 +171,9 @@ class View:
             value = self.values.get(candidate.keys[0], candidate.start[0])
             out[i] = (value - candidate.start[0]) / candidate.spread[0]
         return out
+
+    def _as_declared(self) -> Cleaned:
+        return Cleaned(self.raw, np.ones(3), 0.0, 0.0, np.inf, np.zeros(len(self.rows), dtype=bool))
 
     def _clean(self) -> Cleaned:
         columns, _, _ = self.nuisances
