@@ -5,8 +5,7 @@ from numpy.typing import NDArray
 
 from ..identification_rows import State
 from ..loads import MIN_TOLERANCE, QUADRATIC
-from ..prediction import row_parameters
-from ..sensitivity import sensitivities
+from ..readings import MeasuringChain
 from .problem import Problem
 from .result import Where
 from .view import View
@@ -22,9 +21,7 @@ def compliances(problem: Problem, state: State) -> Array:
     for entry in problem.sets:
         par = problem.par.copy()
         par[problem.rows.places] = state.values[: len(problem.keys)]
-        own = row_parameters(par, entry.data)
-        rows = par[None] if own is None else own
-        found = sensitivities(problem.mesh, (), rows, entry.data.lam, entry.data.wrench, MIN_TOLERANCE / QUADRATIC)
+        found = MeasuringChain(problem.mesh, entry.data).sensitivities((), par, MIN_TOLERANCE / QUADRATIC)
         parts.append(found.compliance)
     return np.concatenate(parts)
 
