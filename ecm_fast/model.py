@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .batching import solve_cases, work_arrays
+from .batching import fast_path, solve_cases, work_arrays
 from .chain import Chain
 from .condensation import Condensation
 from .discretization import Discretization
@@ -90,9 +90,7 @@ class FiniteElementModel:
     @cached_property
     def _condensed(self) -> Condensation | Chain | None:
         """The fast path, made when first needed; None where it does not apply."""
-        stations, tip, q_rest, _, _ = self._system
-        mesh = self.discretization
-        return Condensation.of(mesh, stations, tip, q_rest) or Chain.of(mesh, stations, tip, q_rest)
+        return fast_path(self.discretization, *self._system[:3])
 
     @property
     def tip(self) -> Array:

@@ -12,7 +12,20 @@ from ..data import Measurements
 from ..identification_result import Estimate
 from ..mechanism import Mechanism
 
-__all__ = ["Claim", "Diagnosis", "Gap", "Gate", "Model", "Noise", "Remainder", "Rms", "Rows", "Sight", "Verdict", "Where"]
+__all__ = [
+    "Claim",
+    "Diagnosis",
+    "Gap",
+    "Gate",
+    "Model",
+    "Noise",
+    "Remainder",
+    "Rms",
+    "Rows",
+    "Sight",
+    "Verdict",
+    "Where",
+]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

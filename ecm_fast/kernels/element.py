@@ -1,7 +1,7 @@
 """One Lagrange element of any order: its internal force less its dead load, and its tangent."""
 
 from ._jit import kernel, step_kernel
-from .layout import S_GA, S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
+from .layout import S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
 from .section import section_law
 from .trig import sincos
 
@@ -31,7 +31,7 @@ def element_residual(basis, stations, gravity, q, res):
     """
     for g in range(basis.shape[1]):
         station = stations[g]
-        s, c, gamma_x, gamma_z, _, (N, Q, M, _, _, _) = _section_at(basis, station, g, q)
+        s, c, gamma_x, gamma_z, _, (N, Q, M, _, _, _, _, _, _) = _section_at(basis, station, g, q)
         w, inv_h = station[S_WEIGHT], station[S_INV_H]
         n_x, n_z = w * inv_h * (N * c + Q * s), w * inv_h * (Q * c - N * s)
         couple, M = w * (Q * gamma_x - N * gamma_z), w * inv_h * M
@@ -57,7 +57,8 @@ def element(basis, stations, gravity, q, res, K):
     n_a = basis.shape[2]
     for g in range(basis.shape[1]):
         station = stations[g]
-        s, c, gamma_x, gamma_z, _, (N, Q, M, N_g, N_k, M_k) = _section_at(basis, station, g, q)
+        s, c, gamma_x, gamma_z, _, law = _section_at(basis, station, g, q)
+        N, Q, M, N_x, N_z, N_k, Q_z, Q_k, M_k = law
         inv_h, w = station[S_INV_H], station[S_WEIGHT]
 
         n_x, n_z = N * c + Q * s, Q * c - N * s
@@ -65,13 +66,15 @@ def element(basis, stations, gravity, q, res, K):
         load_x, load_z = w * gravity * station[S_LOAD_X], w * gravity * station[S_LOAD_Z]
 
         # the energy's second derivatives by (x', z', theta, theta'), times the weight
-        Q_g = station[S_GA]
-        h_xx, h_zz = w * (c * c * N_g + s * s * Q_g), w * (s * s * N_g + c * c * Q_g)
-        h_xz = w * s * c * (Q_g - N_g)
-        h_xt = w * (s * Q_g * gamma_x - c * N_g * gamma_z + n_z)
-        h_zt = w * (c * Q_g * gamma_x + s * N_g * gamma_z - n_x)
-        h_tt = w * (N_g * gamma_z * gamma_z + Q_g * gamma_x * gamma_x - N * gamma_x - Q * gamma_z)
-        h_xk, h_zk, h_tk, h_kk = w * c * N_k, -w * s * N_k, -w * gamma_z * N_k, w * M_k
+        cross = 2.0 * s * c * N_z
+        h_xx, h_zz = w * (c * c * N_x + s * s * Q_z + cross), w * (s * s * N_x + c * c * Q_z - cross)
+        h_xz = w * (s * c * (Q_z - N_x) + (c * c - s * s) * N_z)
+        h_xt = w * (s * Q_z * gamma_x - c * N_x * gamma_z + n_z + N_z * (c * gamma_x - s * gamma_z))
+        h_zt = w * (c * Q_z * gamma_x + s * N_x * gamma_z - n_x - N_z * (s * gamma_x + c * gamma_z))
+        h_tt = N_x * gamma_z * gamma_z + Q_z * gamma_x * gamma_x - N * gamma_x - Q * gamma_z
+        h_tt = w * (h_tt - 2.0 * N_z * gamma_x * gamma_z)
+        h_xk, h_zk = w * (c * N_k + s * Q_k), w * (c * Q_k - s * N_k)
+        h_tk, h_kk = w * (gamma_x * Q_k - gamma_z * N_k), w * M_k
 
         for a in range(n_a):
             n, d = basis[0, g, a], inv_h * basis[1, g, a]

@@ -7,7 +7,7 @@ at the tip. The factor is kept in band storage, 3 n_a - 1 entries below the diag
 
 from ._jit import kernel
 from .element import element
-from .layout import L_GRAVITY
+from .layout import L_GRAVITY, T_CLAMP_TILT, T_CLAMP_X, T_FURTHER
 from .tip import tip_wrench
 
 __all__ = ["back_substitute", "band_of", "eliminate", "newton_step", "solve_spd3", "work_size"]
@@ -77,6 +77,9 @@ def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
         own = stations[e * n_gauss : (e + 1) * n_gauss]
         element(basis, own, loads[L_GRAVITY], q[first_row : first_row + m], res, front)
         clamped = 3 if e == 0 else 0
+        if e == 0 and tip[T_FURTHER] != 0.0:
+            clamped = 0
+            _support(front, res, tip, q)
         not_positive += eliminate(front, clamped, width, res, band[first_row : first_row + width])
         step[first_row : first_row + width] = res[:width]
         _read_lower(front, width, K_tip)
@@ -84,14 +87,32 @@ def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
 
     last = step[first_row:]
     # every element is done: the front's first row and the residual's head are free to hold the tip's
-    free_length = tip_wrench(tip, loads, q[first_row], q[first_row + 1], q[first_row + 2], res, front[0])
+    free_length, _ = tip_wrench(tip, loads, q[first_row], q[first_row + 1], q[first_row + 2], res, front[0])
     for i in range(3):
         last[i] = res[width + i] - res[i]
     for i in range(6):
         K_tip[i] += front[0, i]
     not_positive += solve_spd3(K_tip, last)
-    back_substitute(band, width, step)
+    back_substitute(band, width, step, 3 if tip[T_FURTHER] == 0.0 else 0)
     return not_positive, free_length
+
+
+@kernel
+def _support(front, res, tip, q):
+    """Add the clamp where it gives way, as springs on the first node; where it does not, hold that coordinate."""
+    m = front.shape[0]
+    for j in range(3):
+        compliance = tip[T_CLAMP_X + j]
+        if compliance > 0.0:
+            rest = tip[T_CLAMP_TILT] if j == 2 else 0.0
+            front[j, j] += 1.0 / compliance
+            res[j] += (q[j] - rest) / compliance
+        else:
+            for k in range(j):
+                front[j, k] = 0.0
+            for i in range(j + 1, m):
+                front[i, j] = 0.0
+            front[j, j], res[j] = 1.0, 0.0
 
 
 @kernel
@@ -145,17 +166,17 @@ def solve_spd3(lower, rhs):
 
 
 @kernel
-def back_substitute(band, width, step):
-    """Turn D^-1 L^-1 res into Newton's step: L^T step = -(what the elimination left), the clamp held."""
+def back_substitute(band, width, step, clamped):
+    """Turn D^-1 L^-1 res into Newton's step: L^T step = -(what the elimination left), the first `clamped` held."""
     n = step.shape[0]
     m = band.shape[1]
     for i in range(n - 3, n):
         step[i] = -step[i]
-    for row in range(n - 4, 2, -1):
+    for row in range(n - 4, clamped - 1, -1):
         local = row % width
         total = -step[row]
         first = row - local
         for i in range(local + 1, m):
             total -= band[row, i] * step[first + i]
         step[row] = total
-    step[0], step[1], step[2] = 0.0, 0.0, 0.0
+    step[:clamped] = 0.0

@@ -23,11 +23,13 @@ from .layout import (
     O_THETA,
     O_X,
     O_Z,
+    T_FURTHER,
     T_LENGTH,
     T_TOLERANCE,
     TENDON_ZERO_LENGTH,
     UNSTABLE,
 )
+from .tip import tip_wrench
 from .trig import sincos
 
 __all__ = ["advance", "solve", "solve_work_size", "take"]
@@ -69,7 +71,7 @@ def solve(basis, stations, tip, q_rest, loads, q, work, out):
     out[O_FACTOR] = 1.0
     if status != CONVERGED:
         status = _follow(basis, stations, tip, q_rest, loads, q, work, out)
-    out[O_X], out[O_Z], out[O_THETA] = q[n - 3], q[n - 2], q[n - 1]
+    _put_pose(tip, loads, q, work[2 * n + N_LOADS :], out)
     return status
 
 
@@ -84,9 +86,18 @@ def advance(basis, stations, tip, q_rest, loads, q, work, out):
         out[O_ITERATIONS], out[O_FACTOR] = 0.0, 1.0
         rest, step = work[2 * n + N_LOADS :], work[:n]
         if _correct(basis, stations, tip, loads, q, rest, step, out, LOAD_STEP_LIMIT, 0.5) == CONVERGED:
-            out[O_X], out[O_Z], out[O_THETA] = q[n - 3], q[n - 2], q[n - 1]
+            _put_pose(tip, loads, q, rest, out)
             return CONVERGED
     return solve(basis, stations, tip, q_rest, loads, q, work, out)
+
+
+@kernel
+def _put_pose(tip, loads, q, work, out):
+    """Write down the pose of Q: the tip section's, but for a joint that lets the head turn further."""
+    n = q.shape[0]
+    out[O_X], out[O_Z], out[O_THETA] = q[n - 3], q[n - 2], q[n - 1]
+    if tip[T_FURTHER] != 0.0:
+        _, out[O_THETA] = tip_wrench(tip, loads, q[n - 3], q[n - 2], q[n - 1], work[6:9], work)
 
 
 @kernel
