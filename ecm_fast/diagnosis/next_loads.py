@@ -14,9 +14,9 @@ from ..errors import InputError, shown
 from .next_race import Race
 from .next_result import NextLoads, Suggestion
 from .pool import Pool
-from .rivals import Rival, fitted_rivals
+from .rivals import Rival, fitted_rivals, rivals_of
 
-__all__ = ["NextLoads", "Pool", "Rival", "Suggestion", "fitted_rivals", "next_loads"]
+__all__ = ["NextLoads", "Pool", "Rival", "Suggestion", "fitted_rivals", "next_loads", "rivals_of"]
 
 
 def next_loads(

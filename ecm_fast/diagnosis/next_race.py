@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..data import Measurements
 from ..discretization import Discretization
+from ..effects import CATALOGUE
 from ..identification import identify
 from ..identification_rows import DECLARED, FitRows, FitSet, Noise, State
 from ..mechanism import Mechanism
@@ -25,6 +26,8 @@ Array = NDArray[np.float64]
 _ENOUGH = 8.0
 _LARGEST = 1e8
 _LEAST_GAIN = 1e-6
+_HOPE = 3.0
+"""Explanations that all the time on the best load leaves closer than this are one for the search."""
 
 
 class Race:
@@ -51,6 +54,7 @@ class Race:
         self.feasible = np.logical_and.reduce([state.stable for state in self.options])
         self.adapted = [self.rivals[j].mechanism.replace(**_stiffness(rivals[i].mechanism)) for i, j in self.pairs]
         self.terms = [self._terms(pair) for pair in range(len(self.pairs))]
+        self.open = np.ones(len(self.pairs), dtype=bool)
 
     def _terms(self, pair: int) -> tuple[Array, Array, Array]:
         """Refit a pair's rival; return c, b and G of its sum of squares c - 2 b p + p G p: now, then for each load."""
@@ -98,34 +102,51 @@ class Race:
 
     def run(self, minutes: float, repeats: int) -> NextLoads:
         """Take the load that buys most per minute until the time is used, or all are apart."""
+        self.open = self._hopeful(minutes, repeats)
         before, own = self.now(), np.array(self.pool.add_on)
-        apart = np.sqrt(self.then(repeats).min(axis=0))
+        apart = np.sqrt(self.then(repeats)[self.open].min(axis=0, initial=_LARGEST))
         alone = {name: float(apart[(own == name) & self.feasible].max(initial=0.0)) for name in dict.fromkeys(own)}
         mounted, spent, out, now = {"nothing"}, 0.0, list[Suggestion](), before
-        while now.min() < _ENOUGH**2:
+        while self.open.any() and now[self.open].min() < _ENOUGH**2:
             cost = np.array([self.pool.minutes(i, mounted, repeats) for i in range(len(own))])
             allowed = self.feasible & (cost <= minutes - spent)
-            gain = (_confusion(now[:, None]) - _confusion(self.then(repeats))) / cost
+            gain = (_confusion(now[self.open, None]) - _confusion(self.then(repeats)[self.open])) / cost
             best = int(np.argmax(np.where(allowed, gain, -np.inf)))
             if not allowed[best] or gain[best] <= _LEAST_GAIN:
                 break
             self._measure(best, repeats)
             now, spent = self.now(), spent + float(cost[best])
             mounted.add(self.pool.add_on[best])
-            i, j = self.pairs[int(np.argmin(now))]
+            closest = int(np.argmin(np.where(self.open, now, np.inf)))
+            i, j = self.pairs[closest]
             split = self.rivals[i].name, self.rivals[j].name
-            promise = float(np.sqrt(now.min()))
+            promise = float(np.sqrt(now[closest]))
             out.append(
                 Suggestion(self.pool.named(best), self.pool.add_on[best], repeats, float(cost[best]), promise, split)
             )
         names = tuple(rival.name for rival in self.rivals)
-        return NextLoads(names, self._square(before), self._square(now), tuple(out), alone)
+        twins = tuple((names[i], names[j]) for (i, j), good in zip(self.pairs, self.open, strict=True)
+                      if not good and i < j)  # fmt: skip
+        return NextLoads(names, self._square(before), self._square(now), tuple(out), alone, twins, _notes(self.rivals))
+
+    def _hopeful(self, minutes: float, repeats: int) -> NDArray[np.bool_]:
+        """Return which pairs any load of the pool could split if all the time were spent on it, (pairs,)."""
+        cost = np.array([self.pool.minutes(i, {"nothing"}, repeats) / repeats for i in range(len(self.pool.add_on))])
+        readings = np.maximum(minutes / cost, 0.0) * self.feasible
+        best = np.array([
+            float(_left(*(one[0] + readings.reshape(-1, *[1] * (one.ndim - 1)) * one[1:] for one in term)).max())
+            for term in self.terms
+        ])  # fmt: skip
+        other = {pair: k for k, pair in enumerate(self.pairs)}
+        both = [min(best[k], best[other[j, i]]) for k, (i, j) in enumerate(self.pairs)]
+        return np.asarray(np.array(both) >= _HOPE**2)
 
     def _measure(self, load: int, repeats: int) -> None:
         """Count a load as measured; rivals that are close after it are refitted with it."""
         self.data.append(_filled(self.blank.select([load] * repeats)))
-        near = 4.0 * self.then(repeats)[:, load].min()
-        for pair, squared in enumerate(self.then(repeats)[:, load]):
+        then = self.then(repeats)[:, load]
+        near = 4.0 * then[self.open].min()
+        for pair, squared in enumerate(then):
             if squared <= max(near, _ENOUGH**2):
                 self.terms[pair] = self._terms(pair)
             else:
@@ -137,6 +158,13 @@ class Race:
         for (i, j), value in zip(self.pairs, squared, strict=True):
             out[i, j] = np.sqrt(value)
         return out
+
+
+def _notes(rivals: Sequence[Rival]) -> tuple[str, ...]:
+    paths = [name for rival in rivals for name in rival.names if name in CATALOGUE and CATALOGUE[name].mirror == "path"]
+    if not paths:
+        return ()
+    return (f"{', '.join(dict.fromkeys(paths))}: what came before counts; the promise is for a load as the next one",)
 
 
 def _stiffness(mechanism: Mechanism) -> dict[str, float]:

@@ -53,6 +53,8 @@ class NextLoads:
     before, after : (m, m) sigmas by which the second one, fitted, misses the first one; 0 on the diagonal
     suggestions : in the order of measurement
     alone : by add-on, the distance that its best load buys alone
+    twins : pairs that no load of the pool tells apart in the time there is; distances in the set leave them out
+    notes : what the promise does not hold for
     """
 
     names: tuple[str, ...]
@@ -60,6 +62,8 @@ class NextLoads:
     after: Array
     suggestions: tuple[Suggestion, ...]
     alone: dict[str, float]
+    twins: tuple[tuple[str, str], ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def minutes(self) -> float:
@@ -69,12 +73,25 @@ class NextLoads:
     @property
     def worst_before(self) -> float:
         """Smallest distance in the set now."""
-        return _worst(self.before)
+        return self._worst(self.before)
 
     @property
     def worst_after(self) -> float:
         """Smallest distance in the set once everything is measured."""
-        return _worst(self.after)
+        return self._worst(self.after)
+
+    def _worst(self, distances: Array) -> float:
+        left_out = np.eye(len(self.names), dtype=bool)
+        for one, other in self.twins:
+            i, j = self.names.index(one), self.names.index(other)
+            left_out[[i, j], [j, i]] = True
+        return 0.0 if left_out.all() else float(distances[~left_out].min())
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What to know, in sentences: twins first."""
+        twins = [f"no load here tells {one} from {other} in this time" for one, other in self.twins]
+        return (*twins, *self.notes)
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the answer as JSON has it."""
@@ -85,6 +102,8 @@ class NextLoads:
             "minutes": self.minutes,
             "next": [entry.to_json_dict() for entry in self.suggestions],
             "alone": self.alone,
+            "twins": [list(pair) for pair in self.twins],
+            "notes": list(self.notes),
         }
 
     def _lines(self) -> Iterator[str]:
@@ -92,10 +111,7 @@ class NextLoads:
         yield from (f"  {entry!r}" for entry in self.suggestions)
         if not self.suggestions:
             yield "  no load of the pool tells them apart"
+        yield from (f"  {text}" for text in self.remarks)
 
     def __repr__(self) -> str:
         return "\n".join(self._lines()) + ">"
-
-
-def _worst(distances: Array) -> float:
-    return float((distances + np.where(np.eye(len(distances), dtype=bool), np.inf, 0.0)).min())

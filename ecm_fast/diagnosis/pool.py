@@ -25,7 +25,7 @@ ADD_ONS: Mapping[str, tuple[dict[str, float], float]] = {
     "wrench": ({}, 2.0),
     "mass": ({"extra_mass": 2.0}, 2.0),
     "tilt": ({"tilt": 0.5}, 3.0),
-    "tilt back": ({"tilt": -0.5}, 3.0),
+    "tilt-back": ({"tilt": -0.5}, 3.0),
 }
 """What has to be mounted, what it changes, and the minutes that mounting takes once."""
 _READING = 0.5

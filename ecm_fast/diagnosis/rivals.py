@@ -12,9 +12,11 @@ from ..identification import identify
 from ..mechanism import Mechanism
 from ..parameters import index, pack
 
-__all__ = ["STIFFNESSES", "Rival", "fitted_rivals"]
+__all__ = ["STIFFNESSES", "Rival", "fitted_rivals", "rivals_of"]
 
 STIFFNESSES = ("EA", "GA", "EI")
+_MOST = 5
+"""Every ordered pair of them is refitted."""
 
 
 @dataclass(frozen=True)
@@ -73,3 +75,16 @@ def fitted_rivals(
         fit = identify([(start, part) for part in data], free, priors=priors, loss="huber", force_sigma=force_sigma)
         rivals.append(Rival(tuple(names), fit.mechanism, free))
     return rivals
+
+
+def rivals_of(
+    mechanism: Mechanism,
+    data: Sequence[Measurements],
+    sets: Sequence[Sequence[str]],
+    *,
+    priors: Mapping[str, tuple[float, float]] | None = None,
+    force_sigma: float | None = None,
+) -> list[Rival]:
+    """Return the first few explanations of a look-alike set, those of as many effects as the first one has."""
+    alike = [names for names in sets if len(names) == len(sets[0])]
+    return fitted_rivals(mechanism, data, alike[:_MOST], priors=priors, force_sigma=force_sigma)
