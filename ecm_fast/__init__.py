@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .data import Measurements, read_measurements
+    from .diagnosis import Diagnosis, Plan, Study, diagnose, plan
     from .discretization import Discretization
     from .effects import CATALOGUE, Effect
     from .element_candidates import Candidate
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "data": ("Measurements", "read_measurements"),
+    "diagnosis": ("Diagnosis", "Plan", "Study", "diagnose", "plan"),
     "discretization": ("Discretization",),
     "effects": ("CATALOGUE", "Effect"),
     "user_effects": ("effect", "remove_effect"),

@@ -1,0 +1,197 @@
+"""``ecm-fast diagnose`` and ``ecm-fast plan``: what the model is missing, and what loads could tell of it."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InputError
+from ._answer import DONE, Answer, Command, folder, saved
+from ._arguments import finite_number, mechanism
+
+if TYPE_CHECKING:
+    from ..diagnosis import Diagnosis, Plan
+    from ..diagnosis.next_loads import NextLoads
+    from ..mechanism import Mechanism
+
+__all__ = ["DIAGNOSE", "PLAN", "VERDICT_CODES"]
+
+VERDICT_CODES = {"named": 10, "family": 11, "outside_catalogue": 12, "nothing_found": 13, "data_gap": 20}
+_CODES = ", ".join(f"{code} {name}" for name, code in VERDICT_CODES.items())
+_SHOWN = 8
+
+
+def _add_common(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("data", nargs="+", metavar="DATA", help="measurements: .csv, .parquet or .mat")
+    parser.add_argument("--mechanism", metavar="F", help="mechanism file (TOML); default: the preset 'slender'")
+    parser.add_argument(
+        "--candidates", nargs="+", metavar="NAME", help="names that the answer may give; default: the whole catalogue"
+    )
+    parser.add_argument(
+        "--uncertain",
+        action="append",
+        default=[],
+        metavar="NAME[=STD]",
+        help="a parameter, an effect or camera_frame that is known only within STD, or without it not at all; "
+        "may be given several times",
+    )
+    parser.add_argument(
+        "--prior",
+        action="append",
+        default=[],
+        nargs=3,
+        metavar=("NAME", "VALUE", "STD"),
+        help="what a material test found, with its standard deviation; may be given several times",
+    )
+    parser.add_argument("--force-sigma", type=finite_number, metavar="N", help="noise of the force readings [N]")
+    parser.add_argument(
+        "--alpha", type=finite_number, default=0.01, metavar="A", help="chance of a false alarm; default 0.01"
+    )
+
+
+def _add_diagnose(parser: argparse.ArgumentParser) -> None:
+    _add_common(parser)
+    parser.add_argument(
+        "--test", action="append", default=[], metavar="DATA2", help="measurements never fitted, for the proof"
+    )
+    parser.add_argument("--report", metavar="PAGE", help="write the page here; with --out it is DIR/diagnosis.html")
+    parser.add_argument("--exit-code", action="store_true", help=f"end with the verdict's code: {_CODES}")
+
+
+def _common(args: argparse.Namespace) -> dict[str, Any]:
+    from ..data import read_measurements
+    from .identify import _priors
+
+    return {
+        "data": [read_measurements(path) for path in args.data],
+        "candidates": args.candidates,
+        "uncertain": _uncertain(args.uncertain),
+        "priors": _priors(args.prior),
+        "force_sigma": args.force_sigma,
+        "alpha": args.alpha,
+    }
+
+
+def _uncertain(given: list[str]) -> dict[str, float | None]:
+    found: dict[str, float | None] = {}
+    for text in given:
+        name, equals, number = text.strip().partition("=")
+        try:
+            found[name] = finite_number(number) if equals else None
+        except argparse.ArgumentTypeError as error:
+            raise InputError(f"argument --uncertain {name}: {error}") from None
+    return found
+
+
+def _diagnose(args: argparse.Namespace) -> Answer:
+    from ..data import read_measurements
+    from ..diagnosis import diagnose
+    from ..diagnosis.checks import check
+
+    neck, common = mechanism(args), _common(args)
+    noticed = [text for data in common["data"] for text in check(neck, data).warnings]
+    found = diagnose(neck, **common, test=[read_measurements(path) for path in args.test])
+    path = folder(args.out or "out") / "mechanism.toml"
+    found.mechanism.to_toml(path)
+    further = _next(neck, found, common)
+    page = _page(args, neck, found, common, further, noticed)
+    answer = {
+        **found.to_json_dict(),
+        "mechanism": str(path),
+        "report": page,
+        "next": [entry.to_json_dict() for entry in further.suggestions] if further else [],
+        "inputs": _inputs(args),
+    }
+    warnings = [f"warning: {text}" for text in (*noticed, *found.warnings, *found.alarms)]
+    notes = (*warnings, f"wrote {path}", *([f"wrote {page}"] if page else []), *saved(args, answer))
+    return Answer(answer, _text(found), notes, VERDICT_CODES[found.verdict] if args.exit_code else DONE)
+
+
+def _next(neck: "Mechanism", found: "Diagnosis", common: dict[str, Any]) -> "NextLoads | None":
+    """Return what would split the look-alikes, None where there are none."""
+    from ..diagnosis.next_loads import next_loads, rivals_of
+
+    sets = [model.names for model in found.models if model.in_set]
+    known = {"priors": common["priors"], "force_sigma": found.noise.force}
+    rivals = rivals_of(neck, common["data"], sets, **known) if len(sets) > 1 else []
+    if len(rivals) < 2:
+        return None
+    return next_loads(rivals, common["data"], sigma=found.noise.known_sigma, **known)
+
+
+def _page(
+    args: argparse.Namespace,
+    neck: "Mechanism",
+    found: "Diagnosis",
+    common: dict[str, Any],
+    further: "NextLoads | None",
+    noticed: list[str],
+) -> str | None:
+    """Write the page where one is asked for; return its path."""
+    if not args.report and args.out is None:
+        return None
+    from ..diagnosis import plan
+    from ..diagnosis.parity import parity
+    from ..diagnosis_report import write_diagnosis
+
+    path = Path(args.report) if args.report else folder(args.out) / "diagnosis.html"
+    shown = plan(neck, **common)
+    tests = parity(common["data"][0]) if len(common["data"]) == 1 else None
+    return str(write_diagnosis(found, neck, path, parity=tests, plan=shown, next_loads=further, notes=noticed,
+                               priors=common["priors"]))  # fmt: skip
+
+
+def _inputs(args: argparse.Namespace) -> dict[str, Any]:
+    """Return what ``next`` needs to go on."""
+    from .identify import _priors
+
+    return {
+        "mechanism": None if args.mechanism is None else str(Path(args.mechanism).resolve()),
+        "data": [str(Path(path).resolve()) for path in args.data],
+        "priors": {name: list(prior) for name, prior in _priors(args.prior).items()},
+    }
+
+
+def _text(found: "Diagnosis") -> str:
+    lines = [f"{found.verdict}: {found.sentence}"]
+    for claim in found.effects:
+        lines += [f"{n} = {v:.6g} ({claim.interval[n][0]:.6g} to {claim.interval[n][1]:.6g})"
+                  for n, v in claim.parameters.items()]  # fmt: skip
+        others = ", ".join(claim.look_alikes) or "none"
+        lines.append(f"  {claim.sigmas:.1f} sigma, {claim.mirror}, family: {claim.family}; look-alikes: {others}")
+    lines += [f"{name} {estimate}" for name, estimate in found.calibration.items()]
+    if found.gap:
+        for name in ("before", "after", "floor"):
+            rms = getattr(found.gap, name)
+            lines.append(f"locked rows, {name}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
+                         f"theta {1e3 * rms.theta:.3g} mrad, {rms.sigma:.3g} sigma")  # fmt: skip
+    for gap in found.transfer:
+        lines.append(f"never fitted, {gap.what}: {gap.before.sigma:.3g} sigma before, {gap.after.sigma:.3g} after")
+    if found.verdict == "nothing_found":
+        smallest = sorted((s for s in found.sights if s.sigmas > 0.0), key=lambda s: s.smallest / s.typical)
+        lines += [f"would have been found: {s.name} from {s.smallest:.3g} {s.unit}" for s in smallest[:_SHOWN]]
+    lines += [f"left out: {place}: {reason}" for place, reason in found.outliers[:_SHOWN]]
+    return "\n".join(lines)
+
+
+def _plan(args: argparse.Namespace) -> Answer:
+    from ..diagnosis import plan
+
+    found = plan(mechanism(args), **_common(args))
+    answer = found.to_json_dict()
+    return Answer(answer, _plan_text(found), (*(f"warning: {t}" for t in found.warnings), *saved(args, answer)))
+
+
+def _plan_text(found: "Plan") -> str:
+    lines = [f"{found.rows} loads; {found.noise}"]
+    for sight in found.sights:
+        rivals = ", ".join(f"{name} ({sigmas:.1f})" for name, _, sigmas in sight.rivals[:3])
+        needs = f"; needs {', '.join(sight.needs)}" if sight.needs else ""
+        lines.append(f"{sight.visible:9} {sight.name}: typical {sight.typical:g} {sight.unit} is {sight.sigmas:.1f} "
+                     f"sigma, found from {sight.smallest:.2g}; nearest {rivals or 'none'}{needs}")  # fmt: skip
+    return "\n".join(lines)
+
+
+DIAGNOSE = Command(
+    "find which effect the model is missing, with its look-alikes and the proof", _add_diagnose, _diagnose
+)
+PLAN = Command("say which effects loads can show, before anything is measured", _add_common, _plan)

@@ -1,0 +1,22 @@
+"""Finding what the model is missing: where it disagrees with measurements, which effect that is, and the proof."""
+
+from .plan_result import Plan
+from .result import Claim, Diagnosis, Gap, Gate, Model, Remainder, Rms, Rows, Sight, Where
+from .study import Study, diagnose, plan
+
+__all__ = [
+    "Claim",
+    "Diagnosis",
+    "Gap",
+    "Gate",
+    "Model",
+    "Plan",
+    "Remainder",
+    "Rms",
+    "Rows",
+    "Sight",
+    "Study",
+    "Where",
+    "diagnose",
+    "plan",
+]

@@ -1,0 +1,70 @@
+"""The model as it is, fitted as well as it can be: the baseline that every effect has to beat."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import NotConverged
+from ..identification_rows import Noise, State
+from ..least_squares import Loss, minimize
+from .problem import Problem
+
+__all__ = ["calibrate"]
+
+Array = NDArray[np.float64]
+
+_NEAR = 0.1
+_ROUNDS = 4
+_SAME = 0.05
+
+
+def calibrate(problem: Problem) -> tuple[dict[str, float], Noise]:
+    """Return the calibrated parameters by key, and what is known of the noise.
+
+    Raises
+    ------
+    NotConverged : the mechanism has no stable equilibrium under any of the loads.
+    """
+    rows = problem.rows
+    lower, upper = rows.bounds()
+    values = np.clip(problem.start(problem.keys), lower, upper)
+    state = rows.at(values)
+    noise = problem.noise(state)
+    known = np.isfinite(problem.prior[:, 1])
+    for _ in range(_ROUNDS):
+        use = ~problem.locked & state.stable & problem.wanted.any(axis=1)
+        if not use.any():
+            raise NotConverged(f"{problem.data[0].source}: no row has a stable equilibrium on this mechanism")
+        before = values
+        values = _fit(problem, noise, state, use, values, known, (lower, upper))
+        state = rows.at(values)
+        if np.all(np.abs(values - before) <= _SAME * 1e-2 * np.maximum(np.abs(values), 1e-9)):
+            break
+    return dict(zip(problem.keys, values.tolist(), strict=True)), noise
+
+
+def _fit(
+    problem: Problem,
+    noise: Noise,
+    state: State,
+    use: NDArray[np.bool_],
+    start: Array,
+    known: NDArray[np.bool_],
+    bounds: tuple[Array, Array],
+) -> Array:
+    weights = problem.weights(noise, state, use)
+    center, std = problem.prior[known].T
+    by_prior = np.eye(len(start))[known] / std[:, None]
+    used = (problem.wanted & use[:, None])[use]
+    whitening, measured = weights.whitening[use], problem.rows.measured[use]
+
+    def residuals(values: Array) -> tuple[Array, Array] | None:
+        there = problem.rows.at(values)
+        if not there.stable[use].all():
+            return None
+        off = np.where(used, measured - there.pose[use], 0.0)
+        by = -(whitening @ there.by[use]).reshape(-1, len(values))
+        own = (values[known] - center) / std
+        return np.concatenate([(whitening @ off[:, :, None]).ravel(), own]), np.vstack([by, by_prior])
+
+    found = minimize(residuals, start, *bounds, Loss("huber", 1.5), int(known.sum()), near=_NEAR)
+    return found.values

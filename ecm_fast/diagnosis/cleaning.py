@@ -1,0 +1,204 @@
+"""Noise as it is: tails, outliers, scale and memory, told by what no effect and no smooth function explains.
+
+A reading far out is drawn in to where it carries the information that its tail leaves it, so that all that follows is
+plain least squares with noise of one size.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Chain", "Cleaned", "clean", "orthonormal"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_TAILS = (3.0, 5.0, 10.0, 40.0)
+"""Degrees of freedom of Student's t; the last one leaves Gaussian noise all but as it is."""
+_OUTLIER = 6.0
+_ROUNDS = 10
+_DECLARED_DOF = 10.0
+_LARGEST_MEMORY = 0.9
+_MEDIAN_TO_SIGMA = 1.4826
+_HEAVIER = 1.0
+"""Gain of the log-likelihood for which a heavier tail is taken."""
+_SMALL = 1e-9  # singular values below this share of the largest carry nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Rows in the order of measurement.
+
+    Attributes
+    ----------
+    before : (n,) place of the row before in the same session, -1 for the first
+    gap : (n,) how many rows ago that was, rows that do not count included
+    """
+
+    before: NDArray[np.int64]
+    gap: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, run: NDArray[np.int64], rows: NDArray[np.int64]) -> "Chain":
+        """Return the chain of `rows`, places that rise among all, whose sessions are numbered `run`."""
+        if not rows.size:
+            return cls(rows, rows)
+        same = np.concatenate([[False], run[rows[1:]] == run[rows[:-1]]])
+        return cls(np.where(same, np.arange(rows.size) - 1, -1), np.concatenate([[1], np.diff(rows)]))
+
+    def innovations(self, values: Array, memory: float) -> Array:
+        """Return what is new in each row, (n, ...), where noise fades by `memory` from row to row."""
+        if memory == 0.0:
+            return values
+        fade = np.where(self.before >= 0, memory**self.gap, 0.0).reshape(-1, *[1] * (values.ndim - 1))
+        return np.asarray((values - fade * values[self.before]) / np.sqrt(1.0 - fade**2))
+
+
+@dataclass(frozen=True, eq=False)
+class Cleaned:
+    """Residuals drawn in.
+
+    Attributes
+    ----------
+    residual : (n, 3) whitened
+    scale : (3,) size of their noise
+    memory : correlation of neighboring rows
+    tail : reciprocal degrees of freedom of Student's t that the readings follow
+    dof : degrees of freedom behind `scale`
+    outlier : (n,) rows that should not count
+    """
+
+    residual: Array = field(repr=False)
+    scale: Array
+    memory: float
+    tail: float
+    dof: float
+    outlier: Mask
+
+
+def clean(residual: Array, used: Mask, basis: Array, chain: Chain, declared: Mask) -> Cleaned:
+    """Draw in residuals.
+
+    Parameters
+    ----------
+    residual, used : (n, 3) whitened residuals, and which of them were measured
+    basis : (n, 3, q) all that effects, calibration and smooth functions could make of them
+    chain : the rows' order
+    declared : (3,) channels whose noise is declared: that is worth some degrees of freedom
+    """
+    q = orthonormal(basis.reshape(used.size, -1) * used.reshape(-1, 1))
+    fit, scale, nu = _student(residual, used, q)
+    off = residual - fit
+    outlier = used.any(axis=1) & (np.abs(off) > _OUTLIER * scale).any(axis=1)
+    good = used & ~outlier[:, None]
+    if outlier.any():
+        q = orthonormal(basis.reshape(used.size, -1) * good.reshape(-1, 1))
+        fit, scale, nu = _student(residual, good, q)
+        off = residual - fit
+    u = off / scale
+    drawn = np.where(good, scale * u * (nu + 3.0) / (nu + u**2), 0.0)  # psi over its mean slope, (nu+1)/(nu+3)
+    scale, dof = _scale(drawn, good, q, declared)
+    memory = _memory(drawn / scale, good, q, chain)
+    return Cleaned(np.where(good, fit + drawn, 0.0), scale, memory, 1.0 / nu, dof, outlier)
+
+
+def orthonormal(columns: Array) -> Array:
+    """Return an orthonormal basis (m, r) of the span of columns (m, q)."""
+    size = np.sqrt((columns**2).sum(axis=0))
+    columns = columns[:, size > 0.0] / size[size > 0.0]
+    if not columns.shape[1]:
+        return np.zeros((len(columns), 0))
+    values, vectors = np.linalg.eigh(columns.T @ columns)
+    seen = values > _SMALL * values[-1]
+    found = (columns @ vectors[:, seen]) / np.sqrt(values[seen])
+    return np.linalg.qr(found)[0]
+
+
+def _student(residual: Array, good: Mask, q: Array) -> tuple[Array, Array, float]:
+    """Return fit (n, 3), scale (3,) and degrees of freedom of Student's t, by reweighting.
+
+    The tail is told from plain least squares: a robust fit of many columns makes any residual look heavy-tailed.
+    """
+    mask, flat = good.ravel(), np.where(good, residual, 0.0).ravel()
+    inflate = np.sqrt(max(mask.sum(), 1) / max(mask.sum() - q.shape[1], 1))
+    fit = q @ (q.T @ flat)
+    off = inflate * np.where(good, (flat - fit).reshape(-1, 3), 0.0)
+    nu, scale = _tail(off, good, _spread(off, good))
+    for _ in range(_ROUNDS if nu < _TAILS[-1] else 1):
+        weight = np.where(good, (nu + 1.0) / (nu + (off / scale) ** 2), 0.0)
+        half = np.sqrt(weight).ravel()
+        fit = q @ np.linalg.lstsq(half[:, None] * q, half * flat, rcond=None)[0] if q.shape[1] else fit
+        off = inflate * np.where(good, (flat - fit).reshape(-1, 3), 0.0)
+        before, scale = scale, _widths(off, good, scale, nu)
+        if np.allclose(scale, before, rtol=1e-3):
+            break
+    return fit.reshape(-1, 3), scale, nu
+
+
+def _spread(off: Array, good: Mask) -> Array:
+    """Return a first scale by channel from the median size."""
+    off = np.abs(off)
+    found = [_MEDIAN_TO_SIGMA * np.median(off[good[:, c], c]) if good[:, c].any() else 1.0 for c in range(3)]
+    return np.maximum(found, 1e-6)
+
+
+def _widths(off: Array, good: Mask, scale: Array, nu: float) -> Array:
+    """Return the next scale by channel of Student's t."""
+    weight = np.where(good, (nu + 1.0) / (nu + (off / scale) ** 2), 0.0)
+    count = good.sum(axis=0)
+    found = np.sqrt((weight * off**2).sum(axis=0) / np.maximum(count, 1))
+    return np.where(count > 0, np.maximum(found, 1e-6), 1.0)
+
+
+def _tail(off: Array, good: Mask, scale: Array) -> tuple[float, Array]:
+    """Return the likeliest of the tails, with its scale."""
+    best = (-np.inf, _TAILS[-1], scale)
+    for nu in _TAILS[::-1]:
+        width = scale
+        for _ in range(5):
+            width = _widths(off, good, width, nu)
+        density = -np.log(width) - 0.5 * (nu + 1.0) * np.log1p((off / width) ** 2 / nu) + _NORM[nu]
+        gain = float(density[good].sum()) - best[0]
+        if gain > (_HEAVIER if nu < _TAILS[-1] else 0.0):
+            best = (best[0] + gain if np.isfinite(best[0]) else float(density[good].sum()), nu, width)
+    return best[1], best[2]
+
+
+def _norm(nu: float) -> float:
+    from math import lgamma, log, pi
+
+    return lgamma(0.5 * (nu + 1.0)) - lgamma(0.5 * nu) - 0.5 * log(nu * pi)
+
+
+_NORM = {nu: _norm(nu) for nu in _TAILS}
+
+
+def _scale(drawn: Array, good: Mask, q: Array, declared: Mask) -> tuple[Array, float]:
+    """Return the size of the noise by channel, (3,), and the degrees of freedom behind it."""
+    lost = (q**2).sum(axis=1).reshape(-1, 3)
+    dof = np.array([float((1.0 - lost[good[:, c], c]).sum()) for c in range(3)])
+    known = np.where(declared, _DECLARED_DOF, 0.0)
+    squares = np.where(good, drawn**2, 0.0).sum(axis=0)
+    total = known + dof
+    pooled = float((known + squares).sum() / max(total.sum(), 1e-9)) if total.sum() > 0.0 else 1.0
+    share = total / (total + 4.0)  # what little a channel knows leans on the others
+    mean = np.where(total > 0.0, (known + squares) / np.maximum(total, 1e-9), pooled)
+    return np.sqrt(np.maximum(share * mean + (1.0 - share) * pooled, 1e-12)), max(float(total.sum()), 1.0)
+
+
+def _memory(unit: Array, good: Mask, q: Array, chain: Chain) -> float:
+    """Return the correlation of neighboring rows, where it can be told from none.
+
+    The fit that was taken off leaves a correlation of its own, which is known and taken off too.
+    """
+    here = np.flatnonzero((chain.before >= 0) & (chain.gap == 1))
+    there = chain.before[here]
+    both = good[here] & good[there]
+    count = int(both.sum())
+    if count < 20:
+        return 0.0
+    rows = q.reshape(*unit.shape, -1)
+    own = float((np.einsum("ijk,ijk->ij", rows[here], rows[there]) * both).sum())
+    found = (float((unit[here] * unit[there] * both).sum()) + own) / count
+    return min(found, _LARGEST_MEMORY) if found * np.sqrt(count) > 1.0 else 0.0

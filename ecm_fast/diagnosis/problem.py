@@ -1,0 +1,116 @@
+"""What a diagnosis works on: rows, what calibration may move, which rows are locked, and how readings are weighed."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Measurements
+from ..discretization import Discretization
+from ..errors import InputError
+from ..identification import _mesh
+from ..identification_rows import FitRows, FitSet, Noise, State
+from ..mechanism import Mechanism
+from ..parameters import find, index, pack
+from .candidates import Candidate
+from .cleaning import Chain
+from .lock import lock
+
+__all__ = ["STIFFNESSES", "Problem", "Weights"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+STIFFNESSES = ("beam.EA", "beam.GA", "beam.EI")
+_FEWEST = 3
+_NEAR_ZERO = 2.0  # standard deviations of a force cell within which its reading is that of a slack tendon
+_ZERO_SHIFT = 0.5  # the mean by which such a reading is off, in the same unit
+
+
+@dataclass(frozen=True, eq=False)
+class Weights:
+    """How readings count around one state.
+
+    Attributes
+    ----------
+    whitening : (n, 3, 3), see `identification_rows.Noise`
+    sigma : (n, 3) noise of the camera that it rests on
+    shift : (n, 3, s) whitened change of the pose by what force cells hide near zero
+    """
+
+    whitening: Array
+    sigma: Array
+    shift: Array = field(repr=False)
+
+
+class Problem:
+    """Measurements on a mechanism, what is uncertain about it, and the effects it may lack."""
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        data: Sequence[Measurements],
+        candidates: Sequence[Candidate],
+        uncertain: Mapping[str, float],
+        priors: Mapping[str, tuple[float, float]],
+        *,
+        force_sigma: float | None,
+        seed: int,
+    ) -> None:
+        self.mechanism, self.data, self.candidates = mechanism, tuple(data), tuple(candidates)
+        self.force_sigma, self.mesh = force_sigma, _mesh(1, 5)
+        self.keys = (*STIFFNESSES, *(key for key in uncertain if key not in STIFFNESSES))
+        self.prior = self._priors(uncertain, priors)
+        self.sets = [FitSet(mechanism, part) for part in data]
+        self.par = pack(mechanism)
+        self.rows = self.solver(())
+        self.wanted = self.rows.wanted
+        if int(self.wanted.any(axis=1).sum()) < _FEWEST:
+            raise InputError(f"{data[0].source}: {int(self.wanted.any(axis=1).sum())} rows with a measured pose; "
+                             f"a diagnosis takes at least {_FEWEST}")  # fmt: skip
+        self.locked = lock(data, seed)
+        session = np.concatenate([part.session for part in data])
+        self.run = np.unique(np.rec.fromarrays([self.rows.member, session]), return_inverse=True)[1]
+
+    def _priors(self, uncertain: Mapping[str, float], priors: Mapping[str, tuple[float, float]]) -> Array:
+        """Return value and standard deviation of what calibration may move, (p, 2), inf where nothing is known."""
+        known = {find(name).key: entry for name, entry in priors.items()}
+        par = pack(self.mechanism)
+        table = []
+        for key in self.keys:
+            value, std = known.pop(key, (float(par[index(key)]), uncertain.get(key, np.inf)))
+            if not 0.0 < std <= np.inf:
+                raise InputError(f"standard deviation {std!r} of the prior for {key}: allowed is a number > 0")
+            table.append((find(key).check(value), std))
+        for key in known:
+            raise InputError(f"a prior for {key}, which calibration does not move: declare it uncertain too")
+        return np.array(table)
+
+    def solver(self, extra: Sequence[str], mesh: Discretization | None = None) -> FitRows:
+        """Return the rows as functions of what calibration moves and of `extra` parameters."""
+        own = [key for key in extra if key not in self.keys]
+        return FitRows(self.sets, (*self.keys, *own), mesh or self.mesh)
+
+    def chain(self, rows: NDArray[np.int64]) -> Chain:
+        """Return the order of rows, places that rise."""
+        return Chain.of(self.run, rows)
+
+    def start(self, keys: Sequence[str]) -> Array:
+        """Return the mechanism's own values of parameters."""
+        return self.par[[index(key) for key in keys]]
+
+    def noise(self, state: State) -> Noise:
+        """Return what is known of the noise before anything is fitted."""
+        return Noise.of(self.rows, state, self.force_sigma)
+
+    def weights(self, noise: Noise, state: State, use: Mask) -> Weights:
+        """Return how the readings of the rows `use` count around a state, the force cells' noise carried through."""
+        used = self.wanted & use[:, None] & state.stable[:, None]
+        sigma = noise.filled(self.rows, state, used, robust=True)
+        whitening = noise.whitening(np.where(np.isfinite(sigma), sigma, 1.0), state, used)
+        by_force = np.where(used[:, :, None], np.nan_to_num(state.by_force), 0.0)
+        lam = np.concatenate([part.lam for part in self.data])
+        near = noise.force[:, None] * (lam < _NEAR_ZERO * noise.force[:, None]) * _ZERO_SHIFT
+        shift = whitening @ (by_force * near[:, None, :]).sum(axis=2, keepdims=True)
+        return Weights(whitening, sigma, shift if near.any() else shift[:, :, :0])

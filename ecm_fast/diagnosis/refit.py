@@ -1,0 +1,114 @@
+"""One explanation fitted in full: nonlinear, jointly with everything that calibration may move."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..least_squares import Minimum, minimize
+from .linear import one_sided_factor
+from .view import View
+
+__all__ = ["Fit", "refit"]
+
+Array = NDArray[np.float64]
+
+_NEAR = 0.03  # standard deviations
+_FAR = 8.0  # prior standard deviations that a start may be away from none
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted explanation.
+
+    Attributes
+    ----------
+    model : places of its candidates
+    keys : of what was fitted: calibrated parameters, then the effects'
+    values : (p,) in that order
+    covariance : (p, p)
+    total : weighted sum of squares, priors included
+    evidence : less that of the fit without effects gives twice the logarithm of their ratio
+    """
+
+    model: tuple[int, ...]
+    keys: tuple[str, ...]
+    values: Array
+    covariance: Array = field(repr=False)
+    total: float
+    evidence: float
+
+    def by_key(self) -> dict[str, float]:
+        """Return the values by key."""
+        return dict(zip(self.keys, self.values.tolist(), strict=True))
+
+
+def refit(view: View, model: tuple[int, ...], start: Mapping[str, float]) -> Fit:
+    """Fit an explanation to the cleaned residuals of a view.
+
+    Parameters
+    ----------
+    view : whose weights and cleaned residuals count
+    model : places of the candidates
+    start : values by key, where the mechanism's own will not do
+    """
+    problem = view.problem
+    members = [problem.candidates[i] for i in model]
+    solver = problem.solver([key for member in members for key in member.keys])
+    p, shifts = len(solver.names), view.weights.shift.shape[2]
+    calibrated = len(problem.keys)
+    prior = [*problem.prior, *((own, std) for m in members for own, std in zip(m.start, m.spread, strict=True))]
+    center, std = np.array(prior).T
+    known = np.isfinite(std)
+    by_prior = np.zeros((int(known.sum()) + shifts, p + shifts))
+    by_prior[np.arange(int(known.sum())), np.flatnonzero(known)] = 1.0 / std[known]
+    by_prior[int(known.sum()) :, p:] = np.eye(shifts)
+    lower, upper = solver.bounds()
+    first = np.array(
+        [start.get(key, float(own)) for key, own in zip(solver.names, problem.start(solver.names), strict=True)]
+    )
+    first[calibrated:] = np.clip(
+        first[calibrated:], center[calibrated:] - _FAR * std[calibrated:], center[calibrated:] + _FAR * std[calibrated:]
+    )
+    shift = view.flat(view.weights.shift[view.rows])
+    rows, whitening, here = view.rows, view.whitening, view.state.pose[view.rows]
+
+    def residuals(values: Array) -> tuple[Array, Array] | None:
+        state = solver.at(values[:p])
+        if not state.stable[rows].all():
+            return None
+        moved = (whitening @ (here - state.pose[rows])[:, :, None])[:, :, 0]
+        off = view.flat(view.cleaned.residual + moved) - shift @ values[p:]
+        by = -np.hstack([view.flat(whitening @ state.by[rows]), shift])
+        own = np.concatenate([((values[:p] - center) / std)[known], values[p:]])
+        return np.concatenate([off, own]), np.vstack([by, by_prior])
+
+    wide = np.full(shifts, np.inf)
+    begin = np.concatenate([np.clip(first, lower, upper), np.zeros(shifts)])
+    if residuals(begin) is None:
+        begin = np.concatenate([problem.start(solver.names), np.zeros(shifts)])
+        begin[:calibrated] = [view.values.get(key, begin[i]) for i, key in enumerate(problem.keys)]
+        if residuals(begin) is None:
+            return Fit(model, tuple(solver.names), first, np.full((p, p), np.inf), np.inf, -np.inf)
+    found = minimize(residuals, begin, np.concatenate([lower, -wide]), np.concatenate([upper, wide]), near=_NEAR)
+    return _judged(found, view, model, tuple(solver.names), calibrated)
+
+
+def _judged(found: Minimum, view: View, model: tuple[int, ...], keys: tuple[str, ...], calibrated: int) -> Fit:
+    """Return the fit with its evidence, Laplace's approximation: the calibrated parameters' own share cancels."""
+    p, members = len(keys), [view.problem.candidates[i] for i in model]
+    scale = np.sqrt((found.jacobian**2).sum(axis=0))
+    scale[scale == 0.0] = 1.0
+    normal = (found.jacobian / scale).T @ (found.jacobian / scale)
+    values, vectors = np.linalg.eigh(normal)
+    covariance = (vectors / np.maximum(values, 1e-12)) @ vectors.T / np.outer(scale, scale)
+    spread = np.array([std for member in members for std in member.spread])
+    own = covariance[calibrated:p, calibrated:p] / np.outer(spread, spread)
+    evidence = -found.total
+    if own.size:
+        evidence += float(np.linalg.slogdet(own)[1])
+        sizes = np.cumsum([0, *(len(member.keys) for member in members)])[:-1]
+        sigmas = (found.values[calibrated:p] / np.sqrt(np.diag(covariance)[calibrated:p]))[sizes]
+        evidence += float(one_sided_factor(sigmas, np.array([member.one_sided for member in members])).sum())
+    return Fit(model, keys, found.values[:p], covariance[:p, :p], found.total, evidence)

@@ -1,0 +1,199 @@
+"""The search: no effect, one, or two; linear over all of them, in full over what the linear ranking leaves."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..identification_rows import Noise
+from .calibration import calibrate
+from .problem import Problem
+from .refit import Fit, refit
+from .result import Gate, Model
+from .view import View
+
+__all__ = ["LIMITS", "Found", "search"]
+
+Array = NDArray[np.float64]
+
+LIMITS = {1: 6.6, 2: 9.2}
+"""Evidence that a model of so many effects may lack to the best one and still be told from it by nobody."""
+_PLAUSIBLE = 10.0
+"""Typical sizes beyond which a name is refused."""
+_LEFT, _SINGLES, _PAIRS = 30.0, 12, 30
+_PASSES = 3
+_WORTH = 6.6
+_SURE = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What the search ends with.
+
+    Attributes
+    ----------
+    baseline, view : the linear model without effects, and with those found
+    fits : by number of effects, the best first
+    models : the same for readers
+    gates : in the order of the tests
+    effects : how many were found
+    outside : whether something is left that no admissible model explains
+    doubts : what to know
+    """
+
+    baseline: View
+    view: View
+    null: Fit
+    fits: dict[int, list[Fit]]
+    gates: tuple[Gate, ...]
+    effects: int
+    outside: bool
+    doubts: tuple[str, ...]
+
+    @property
+    def best(self) -> Fit:
+        """The fit that is reported."""
+        return self.fits[self.effects][0] if self.effects else self.null
+
+    def models(self) -> tuple[Model, ...]:
+        """Return all explanations tried, those of the number reported first."""
+        order = [self.effects, *(size for size in self.fits if size != self.effects)]
+        return tuple(model for size in order if size for model in self._models(size))
+
+    def _models(self, size: int) -> Iterable[Model]:
+        fits, candidates = self.fits.get(size, []), self.view.problem.candidates
+        best = max((fit.evidence for fit in fits if not refused(fit, self.view)), default=-np.inf)
+        for fit in fits:
+            reason = refused(fit, self.view)
+            behind = best - fit.evidence
+            sizes = tuple(fit.by_key()[candidates[i].keys[0]] for i in fit.model)
+            names = tuple(candidates[i].name for i in fit.model)
+            inside = not reason and behind < LIMITS[size]
+            yield Model(
+                names, sizes, fit.evidence - self.null.evidence, self.null.total - fit.total, behind, inside, reason
+            )
+
+
+def refused(fit: Fit, view: View) -> str:
+    """Return why an explanation cannot be meant, empty if it can."""
+    values = fit.by_key()
+    for i in fit.model:
+        candidate = view.problem.candidates[i]
+        size = (values[candidate.keys[0]] - candidate.start[0]) / candidate.typical
+        if abs(size) > _PLAUSIBLE:
+            return f"{candidate.name} would need {abs(size):.0f} times its typical size"
+        if candidate.one_sided and size <= 0.0:
+            return f"{candidate.name} would have to be negative"
+    return ""
+
+
+def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found:
+    """Search for what the measurements ask for."""
+    values, noise = calibrate(problem)
+    baseline = View.at(problem, values, (), noise)
+    gates = baseline.gates(alpha, seed)
+    null = refit(baseline, (), values)
+    if not any(gate.alarm for gate in gates) or max_effects < 1:
+        return Found(baseline, baseline, null, {}, gates, 0, False, ())
+    view, null, fits = _singles(problem, baseline, noise)
+    found: dict[int, list[Fit]] = {1: fits}
+    own = view.gates(alpha, seed)
+    gates = (*gates, *own)
+    admissible = bool(fits) and not refused(fits[0], view) and fits[0].evidence > null.evidence
+    if admissible and not any(gate.alarm for gate in own):
+        return Found(baseline, view, null, found, gates, 1, False, ())
+    if max_effects >= 2:
+        both, null2, pairs = _pairs(problem, baseline, view, noise, fits)
+        found[2] = pairs
+        gain = pairs[0].evidence - null2.evidence if pairs else -np.inf
+        single = fits[0].evidence - null.evidence if admissible else 0.0
+        if pairs and not refused(pairs[0], both) and gain - single > _WORTH:
+            last = both.gates(alpha, seed)
+            gates = (*gates, *last)
+            return Found(baseline, both, null2, found, gates, 2, any(gate.alarm for gate in last), ())
+    outside = not admissible or min(gate.p for gate in own) < _SURE
+    doubt = "the tests see a little more than this, but nothing that a second name would explain"
+    return Found(baseline, view, null, found, gates, int(admissible), outside, () if outside else (doubt,))
+
+
+def _singles(problem: Problem, baseline: View, noise: Noise) -> tuple[View, Fit, list[Fit]]:
+    """Return the view at the best single effect, the fit without any there, and all fits, the best first."""
+    view, best, starts = baseline, None, dict[tuple[int, ...], Fit]()
+    for _ in range(_PASSES):
+        evidence, size = view.gram.singles()
+        models = [(int(i),) for i in _leaders(evidence, view.gram.norm > 0.0, _SINGLES)]
+        models = list(dict.fromkeys([*models, *([best] if best else [])]))
+        null = refit(view, (), baseline.values)
+        fits = [refit(view, model, _start(view, baseline, model, size, starts)) for model in models]
+        fits = _ranked(fits, view)
+        starts.update({fit.model: fit for fit in fits})
+        if not fits:
+            return view, null, fits
+        if fits[0].model == best:
+            break
+        best = fits[0].model
+        view = View.at(problem, fits[0].by_key(), best, noise)
+    return view, null, fits
+
+
+def _pairs(
+    problem: Problem, baseline: View, single: View, noise: Noise, singles: list[Fit]
+) -> tuple[View, Fit, list[Fit]]:
+    view, best, starts = single, None, {fit.model: fit for fit in singles}
+    views = [baseline, single]
+    for _ in range(_PASSES):
+        models: dict[tuple[int, ...], None] = {} if best is None else {best: None}
+        for each in views:
+            pairs = each.gram.pairs()
+            visible = (each.gram.norm[pairs.first] > 0.0) & (each.gram.norm[pairs.second] > 0.0)
+            for n in _leaders(pairs.evidence, visible, _PAIRS // len(views) + 3):
+                models[int(pairs.first[n]), int(pairs.second[n])] = None
+        _, size = view.gram.singles()
+        null = refit(view, (), baseline.values)
+        fits = _ranked([refit(view, model, _start(view, baseline, model, size, starts)) for model in models], view)
+        starts.update({fit.model: fit for fit in fits})
+        if not fits or fits[0].model == best:
+            break
+        best = fits[0].model
+        view = View.at(problem, fits[0].by_key(), best, noise)
+        views = [baseline, view]
+    return view, null, fits
+
+
+def _leaders(evidence: Array, allowed: NDArray[np.bool_], most: int) -> NDArray[np.int64]:
+    """Return the places of the largest evidence, those far behind left out."""
+    evidence = np.where(allowed, evidence, -np.inf)
+    order = np.argsort(-evidence)[:most]
+    return order[evidence[order] > evidence[order[0]] - _LEFT] if order.size else order
+
+
+def _ranked(fits: list[Fit], view: View) -> list[Fit]:
+    """Return the fits, the best first, those that cannot be meant last."""
+    return sorted(
+        (fit for fit in fits if np.isfinite(fit.total)), key=lambda fit: (bool(refused(fit, view)), -fit.evidence)
+    )
+
+
+def _start(
+    view: View, baseline: View, model: tuple[int, ...], size: Array, known: dict[tuple[int, ...], Fit]
+) -> dict[str, float]:
+    """Return where to start: at the same fit of before, else at what the linear model says."""
+    if model in known:
+        return known[model].by_key()
+    start = dict(baseline.values)
+    part = max((fit for key, fit in known.items() if set(key) < set(model)), key=lambda fit: fit.evidence, default=None)
+    if part is not None:
+        return part.by_key()
+    sizes = _linear_sizes(view, model)
+    for i, own in zip(model, sizes, strict=True):
+        candidate = view.problem.candidates[i]
+        start[candidate.keys[0]] = candidate.start[0] + float(np.clip(own, -2.0, 2.0)) * candidate.spread[0]
+    return start
+
+
+def _linear_sizes(view: View, model: tuple[int, ...]) -> Array:
+    """Return the sizes of a model's effects in prior standard deviations, as the linear model has them."""
+    places = list(model)
+    gram = view.gram.gram[np.ix_(places, places)] + np.eye(len(places))
+    return np.asarray(np.linalg.solve(gram, view.gram.at_zero()[places]))

@@ -1,0 +1,69 @@
+"""Low polynomials of the loads and of time: what a disagreement that has no name would still look like."""
+
+from collections.abc import Sequence
+from itertools import combinations_with_replacement
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Measurements
+
+__all__ = ["smooth_columns"]
+
+Array = NDArray[np.float64]
+
+_DEGREE, _DRIFT = 3, 2
+_ROWS_PER_TERM = 4
+
+
+def smooth_columns(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> Array:
+    """Return polynomials, (n, q), of the loads of each experiment and of the order of each session.
+
+    `rows` (n,) says which rows count; there are never more polynomials than a quarter of these.
+    """
+    member = np.repeat(np.arange(len(data)), [part.n for part in data])
+    experiment = np.concatenate([part.experiment for part in data])
+    session = np.concatenate([part.session for part in data])
+    _, kind = np.unique(np.rec.fromarrays([member, experiment]), return_inverse=True)
+    _, run = np.unique(np.rec.fromarrays([member, session]), return_inverse=True)
+    loads = _loads(data)
+    columns = [
+        column
+        for group in range(int(kind.max()) + 1)
+        for column in _of_loads(loads, (kind == group) & rows, kind == group)
+    ]
+    for group in range(int(run.max()) + 1):
+        columns += _of_order(run == group, rows)
+    return np.column_stack(columns) if columns else np.zeros((len(rows), 0))
+
+
+def _loads(data: Sequence[Measurements]) -> Array:
+    """Return what varies: sum and difference of the forces, dead wrench, mass, tilt, (n, 7)."""
+    parts = [
+        np.column_stack([p.lam_l + p.lam_r, p.lam_l - p.lam_r, p.fx, p.fz, p.tau, p.extra_mass, p.tilt]) for p in data
+    ]
+    return np.concatenate(parts)
+
+
+def _of_loads(loads: Array, fit: NDArray[np.bool_], here: NDArray[np.bool_]) -> list[Array]:
+    count = int(fit.sum()) // _ROWS_PER_TERM
+    if count < 1:
+        return []
+    center, span = loads[fit].mean(axis=0), np.ptp(loads[fit], axis=0)
+    moving = np.flatnonzero(span > 1e-9)
+    scaled = 2.0 * (loads[:, moving] - center[moving]) / span[moving]
+    terms = [np.ones(len(loads))]
+    for degree in range(1, _DEGREE + 1):
+        new = [np.prod(scaled[:, list(of)], axis=1) for of in combinations_with_replacement(range(moving.size), degree)]
+        if len(terms) + len(new) > count:
+            break
+        terms += new
+    return [np.where(here, term, 0.0) for term in terms]
+
+
+def _of_order(here: NDArray[np.bool_], rows: NDArray[np.bool_]) -> list[Array]:
+    if int((here & rows).sum()) < 5 * _ROWS_PER_TERM:
+        return []
+    t = np.zeros(here.size)
+    t[here] = np.linspace(-1.0, 1.0, int(here.sum()))
+    return [np.where(here, t**degree, 0.0) for degree in range(1, _DRIFT + 1)]

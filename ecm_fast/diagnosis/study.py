@@ -1,0 +1,254 @@
+"""A study: a mechanism, its measurements and what is known about both; what it can tell, and what is missing."""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Measurements
+from ..errors import InputError, shown
+from ..identification_rows import State
+from ..mechanism import Mechanism
+from .alarms import alarms
+from .candidates import chosen, uncertain_parameters
+from .claims import claims, estimates
+from .gap import Opened, gap
+from .plan_result import Plan
+from .problem import Problem
+from .result import Diagnosis, Gap, Noise, Rows
+from .search import Found, search
+from .sights import distances, sights
+from .view import View
+from .where import compliances, where, wrenches
+from .words import missing_columns, sentence, verdict_of
+
+__all__ = ["Study", "diagnose", "plan"]
+
+Priors = Mapping[str, tuple[float, float]]
+
+DEFAULT_SIGMA = (1e-4, 1e-4, 1e-3)
+"""Camera noise that a plan takes where nothing is declared [m, m, rad]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Study:
+    """What there is to go by.
+
+    Attributes
+    ----------
+    mechanism : as it was built, as far as is known
+    data : one or several sets of measurements on it
+    candidates : names that an answer may give; default the whole catalogue
+    uncertain : parameters, effects or ``camera_frame`` that are known only within a standard deviation, or, with None,
+        not at all: they are calibrated along with EA, GA and EI, and never named
+    priors : value and standard deviation from material tests, by name
+    force_sigma : noise of the force readings [N]; default as the measurements declare it
+    test : measurements that are never fitted, for the proof
+    alpha : chance of a false alarm on clean data
+    max_effects : most effects that an answer may name
+    seed : of the lock and of all draws
+    """
+
+    mechanism: Mechanism
+    data: Measurements | Sequence[Measurements]
+    candidates: Sequence[str] | None = None
+    uncertain: Mapping[str, float | None] = field(default_factory=dict)
+    priors: Priors = field(default_factory=dict)
+    force_sigma: float | None = None
+    test: Measurements | Sequence[Measurements] = ()
+    alpha: float = 0.01
+    max_effects: int = 2
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.alpha < 1.0:
+            raise InputError(f"alpha = {shown(self.alpha)}: allowed is a number between 0 and 1")
+        if self.max_effects not in (0, 1, 2):
+            raise InputError(f"max_effects = {shown(self.max_effects)}: allowed is 0, 1 or 2")
+        if self.force_sigma is not None and not 0.0 <= self.force_sigma < np.inf:
+            raise InputError(f"force_sigma = {shown(self.force_sigma)}: allowed is a finite number >= 0")
+        if not self._parts(self.data):
+            raise InputError("no measurements; a study takes at least one set")
+
+    @staticmethod
+    def _parts(data: Measurements | Sequence[Measurements]) -> tuple[Measurements, ...]:
+        return (data,) if isinstance(data, Measurements) else tuple(data)
+
+    def problem(self, data: Sequence[Measurements] | None = None) -> Problem:
+        """Return what the diagnosis works on."""
+        uncertain = uncertain_parameters(self.uncertain)
+        candidates = [entry for entry in chosen(self.candidates, self.mechanism) if entry.keys[0] not in uncertain]
+        parts = self._parts(self.data) if data is None else tuple(data)
+        return Problem(self.mechanism, parts, candidates, uncertain, self.priors,
+                       force_sigma=self.force_sigma, seed=self.seed)  # fmt: skip
+
+    def plan(self) -> Plan:
+        """Return what the loads can tell, whatever will be measured."""
+        from ..prediction import predict
+
+        parts = [_blank_filled(part, predict(self.mechanism, part).pose) for part in self._parts(self.data)]
+        problem = self.problem(parts)
+        values = dict(zip(problem.keys, problem.start(problem.keys).tolist(), strict=True))
+        noise = problem.noise(problem.rows.at(problem.start(problem.keys)))
+        view = View.at(problem, values, (), noise, known=True)
+        _, cosine, apart = distances(view)
+        lost = int((~view.state.stable).sum())
+        return Plan(
+            rows=problem.rows.n,
+            sights=sights(view, self.alpha, self.seed),
+            names=tuple(candidate.name for candidate in problem.candidates),
+            cosines=cosine,
+            distances=apart,
+            noise=_in_words(view),
+            missing=missing_columns(problem),
+            warnings=(f"{lost} loads have no stable equilibrium",) if lost else (),
+        )
+
+    def diagnose(self) -> Diagnosis:
+        """Return what is missing, and the proof."""
+        begin = time.perf_counter()
+        problem = self.problem()
+        found = search(problem, self.alpha, self.max_effects, self.seed)
+        return _answer(self, problem, found, begin)
+
+
+def diagnose(
+    mechanism: Mechanism,
+    data: Measurements | Sequence[Measurements],
+    *,
+    candidates: Sequence[str] | None = None,
+    uncertain: Mapping[str, float | None] | None = None,
+    priors: Priors | None = None,
+    force_sigma: float | None = None,
+    test: Measurements | Sequence[Measurements] = (),
+    alpha: float = 0.01,
+    max_effects: int = 2,
+    seed: int = 0,
+) -> Diagnosis:
+    """Return which effect the model is missing, with its look-alikes and the proof; the arguments are `Study`'s.
+
+    Raises
+    ------
+    InputError : a name or a number cannot be meant, or there are too few rows; says what is allowed.
+    NotConverged : the mechanism has no stable equilibrium under any of the loads.
+    """
+    return Study(mechanism, data, candidates, uncertain or {}, priors or {}, force_sigma, test, alpha, max_effects,
+                 seed).diagnose()  # fmt: skip
+
+
+def plan(
+    mechanism: Mechanism,
+    data: Measurements | Sequence[Measurements],
+    *,
+    candidates: Sequence[str] | None = None,
+    uncertain: Mapping[str, float | None] | None = None,
+    priors: Priors | None = None,
+    force_sigma: float | None = None,
+    alpha: float = 0.01,
+    seed: int = 0,
+) -> Plan:
+    """Return which names the loads of `data` can carry, before anything is measured; the arguments are `Study`'s."""
+    return Study(mechanism, data, candidates, uncertain or {}, priors or {}, force_sigma, alpha=alpha, seed=seed).plan()
+
+
+def _blank_filled(data: Measurements, pose: NDArray[np.float64]) -> Measurements:
+    """Return measurements with the poses that the model predicts, and with noise where none is declared."""
+    columns = dict(zip(("x", "z", "theta"), pose.T.copy(), strict=True))
+    for name, sigma in zip(("sigma_x", "sigma_z", "sigma_theta"), DEFAULT_SIGMA, strict=True):
+        own = getattr(data, name)
+        columns[name] = np.where(np.isfinite(own) & (own > 0.0), own, sigma)
+    return replace(data, **columns)
+
+
+def _in_words(view: View) -> str:
+    x, z, theta = np.nanmedian(view.weights.sigma[view.rows], axis=0)
+    force = float(np.median(view.noise.force))
+    return f"noise {1e3 * x:.3g} mm, {1e3 * z:.3g} mm, {1e3 * theta:.3g} mrad, forces {force:.3g} N"
+
+
+def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagnosis:
+    baseline, view, best = found.baseline, found.view, found.best
+    solver = problem.solver(best.keys)
+    after = solver.at(np.array([best.by_key()[name] for name in solver.names]))
+    weights = problem.weights(view.noise, view.state, view.state.stable)
+    opened = Opened.of(problem, baseline.state, after, weights, view.cleaned.scale)
+    shown_gap, far = gap(problem, opened, problem.locked, "locked rows", study.seed)
+    effects, missing = claims(found), missing_columns(problem)
+    seen = sights(baseline, study.alpha, study.seed)
+    verdict = verdict_of(effects, outside=found.outside, gap_in_data=bool(missing) and view.cleaned.memory > 0.2)
+    lost = [*((int(i), "outlier") for i in [*view.outliers, *far]),
+            *((int(i), "no stable equilibrium") for i in np.flatnonzero(~view.state.stable))]  # fmt: skip
+    return Diagnosis(
+        verdict=verdict,
+        sentence=sentence(verdict, effects, shown_gap, seen, missing),
+        effects=effects,
+        calibration=estimates(best, found),
+        before=estimates(found.null, found),
+        mechanism=problem.mechanism.replace(**best.by_key()),
+        gap=shown_gap,
+        transfer=_transfer(study, problem, found),
+        models=found.models(),
+        gates=found.gates,
+        sights=seen,
+        noise=_noise(view),
+        where=where(baseline) if any(gate.alarm for gate in found.gates) else None,
+        remainder=None,
+        outliers=tuple((problem.rows.where(i), reason) for i, reason in lost),
+        missing=missing,
+        warnings=found.doubts,
+        alarms=alarms(found),
+        rows=_rows(problem, opened, baseline.state, view, far),
+        seconds=time.perf_counter() - begin,
+    )
+
+
+def _transfer(study: Study, problem: Problem, found: Found) -> tuple[Gap, ...]:
+    """Return the gap on every experiment that was never fitted."""
+    answer = []
+    for part in study._parts(study.test):
+        there = study.problem([part])
+        noise = there.noise(there.rows.at(there.start(there.keys)))
+        states = []
+        for fit in (found.null, found.best):
+            solver = there.solver(fit.keys)
+            states.append(solver.at(np.array([fit.by_key()[name] for name in solver.names])))
+        every = np.ones(part.n, dtype=bool)
+        weights = there.weights(noise, states[1], every)
+        opened = Opened.of(there, states[0], states[1], weights, np.ones(3))
+        shown_gap, _ = gap(there, opened, every, part.source, study.seed)
+        answer += [shown_gap] if shown_gap else []
+    return tuple(answer)
+
+
+def _noise(view: View) -> Noise:
+    with np.errstate(invalid="ignore"):
+        sigma = np.nanmedian(np.where(view.used, view.weights.sigma[view.rows], np.nan), axis=0)
+    origin = {
+        name: " and ".join(sorted(set(view.noise.origin[view.rows][view.used[:, i], i].tolist())))
+        for i, name in enumerate(("x", "z", "theta"))
+    }
+    x, z, theta = (float(value) for value in sigma)
+    a, b, c = (float(value) for value in view.cleaned.scale)
+    force = float(np.median(view.noise.force))
+    return Noise((x, z, theta), force, origin, (a, b, c), view.cleaned.tail, view.cleaned.memory)
+
+
+def _rows(problem: Problem, opened: Opened, state: State, view: View, far: NDArray[np.int64]) -> Rows:
+    outlier = np.zeros(problem.rows.n, dtype=bool)
+    outlier[[*view.outliers, *far]] = True
+    used = np.zeros((problem.rows.n, 3), dtype=bool)
+    used[view.rows] = view.used
+    compliance = compliances(problem, state)
+    return Rows(
+        data=problem.data,
+        locked=problem.locked,
+        outlier=outlier,
+        used=used,
+        before=opened.before,
+        after=opened.after,
+        sigma=opened.spread(),
+        wrench_before=wrenches(opened.before, compliance),
+        wrench_after=wrenches(opened.after, compliance),
+    )
