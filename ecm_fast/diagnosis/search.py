@@ -23,6 +23,8 @@ _PLAUSIBLE = 10.0
 """Typical sizes beyond which a name is refused."""
 _LEFT, _SINGLES, _PAIRS = 30.0, 12, 30
 _PASSES = 3
+_ALONE, _FAR_OUT = 3, 25.0
+"""How many rows an alarm may rest on and still be theirs, and what each one must take off the sum of squares."""
 _WORTH = 6.6
 _SURE = 1e-3
 
@@ -92,7 +94,7 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     """Search for what the measurements ask for."""
     values, noise = calibrate(problem)
     baseline = View.at(problem, values, (), noise)
-    gates = baseline.gates(alpha, seed)
+    baseline, gates = _on_more_than_a_row(baseline, alpha, seed)
     null = refit(baseline, (), values)
     if not any(gate.alarm for gate in gates) or max_effects < 1:
         return Found(baseline, baseline, null, {}, gates, 0, False, ())
@@ -115,6 +117,21 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     outside = not admissible or min(gate.p for gate in own) < _SURE
     doubt = "the tests see a little more than this, but nothing that a second name would explain"
     return Found(baseline, view, null, found, gates, int(admissible), outside, () if outside else (doubt,))
+
+
+def _on_more_than_a_row(view: View, alpha: float, seed: int) -> tuple[View, tuple[Gate, ...]]:
+    """Return the tests of a view without rows on each of which an alarm rests alone: they are outliers."""
+    first = gates = view.gates(alpha, seed)
+    reduced = view
+    for _ in range(_ALONE):
+        if not any(gate.alarm for gate in gates):
+            return reduced, gates
+        row, gain = reduced.worst()
+        if gain < _FAR_OUT:
+            break
+        reduced = reduced.without(row)
+        gates = reduced.gates(alpha, seed)
+    return (view, first) if any(gate.alarm for gate in gates) else (reduced, gates)
 
 
 def _singles(problem: Problem, baseline: View, noise: Noise) -> tuple[View, Fit, list[Fit]]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..errors import NotConverged
 from ..identification_rows import DECLARED, Noise, State
 from .candidates import Candidate
-from .cleaning import Chain, Cleaned, clean, orthonormal
+from .cleaning import Chain, Cleaned, clean, orthonormal, removal
 from .gates import effects_gate, smooth_gate
 from .linear import Gram
 from .problem import Problem, Weights
@@ -249,6 +249,23 @@ class View:
             effects_gate(gram, dof, stage, 0.5 * alpha, seed),
             smooth_gate(residual, free, smooth, dof, stage, 0.5 * alpha),
         )
+
+
+    def without(self, row: int) -> "View":
+        """Return the view with one more of its rows left out, the cleaned residuals of the others kept."""
+        kept = np.arange(len(self.rows)) != row
+        own, rows = self.cleaned, self.rows[kept]
+        cleaned = replace(own, residual=own.residual[kept], outlier=own.outlier[kept])
+        lost = np.append(self.outliers, self.rows[row])
+        return replace(self, rows=rows, chain=self.problem.chain(rows), cleaned=cleaned, outliers=lost)
+
+    def worst(self) -> tuple[int, float]:
+        """Return the row whose removal takes most off the sum of squares, smooth functions let free, and how much."""
+        smooth = self.flat(_by_channel(self.smooth[self.rows]).reshape(len(self.rows), 3, -1))
+        columns = np.hstack([self.rest[1][: len(smooth)], smooth])
+        off = self.rest[0][: len(smooth)]
+        gain = removal(off.reshape(-1, 3), orthonormal(columns))
+        return int(np.argmax(gain)), float(gain.max())
 
 
 def _by_channel(columns: Array) -> Array:
