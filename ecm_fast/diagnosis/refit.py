@@ -14,7 +14,8 @@ __all__ = ["Fit", "refit"]
 
 Array = NDArray[np.float64]
 
-_NEAR = 0.03  # standard deviations
+_NEAR = 0.05  # standard deviations
+_MOST = 12  # solutions of all rows; where these do not do, the law is not smooth in a further parameter
 _FAR = 8.0  # prior standard deviations that a start may be away from none
 
 
@@ -74,9 +75,13 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float]) -> Fit
     shift = view.flat(view.weights.shift[view.rows])
     rows, whitening, here = view.rows, view.whitening, view.state.pose[view.rows]
 
+    tried = 0
+
     def residuals(values: Array) -> tuple[Array, Array] | None:
-        state = solver.at(values[:p])
-        if not state.stable[rows].all():
+        nonlocal tried
+        tried += 1
+        state = solver.at(values[:p]) if tried <= _MOST else None
+        if state is None or not state.stable[rows].all():
             return None
         moved = (whitening @ (here - state.pose[rows])[:, :, None])[:, :, 0]
         off = view.flat(view.cleaned.residual + moved) - shift @ values[p:]

@@ -11,7 +11,7 @@ from ..errors import NotConverged
 from ..identification_rows import DECLARED, Noise, State
 from .candidates import Candidate
 from .cleaning import Chain, Cleaned, clean, orthonormal, removal
-from .gates import effects_gate, smooth_gate
+from .gates import SMOOTH, effects_gate, smooth_gate
 from .linear import Gram
 from .problem import Problem, Weights
 from .result import Gate
@@ -24,6 +24,7 @@ Mask = NDArray[np.bool_]
 
 _SATURATED = 3.0
 """Directions in which effects of this many prior standard deviations are below the noise count as noise."""
+_FAR = 2.0  # prior standard deviations that the linear model is trusted
 _SHARE = 6  # readings for every direction of effects that noise is measured beside
 
 
@@ -246,10 +247,37 @@ class View:
         smooth = np.vstack([smooth, np.zeros((len(residual) - len(smooth), smooth.shape[1]))])
         stage, dof = len(self.model), self.cleaned.dof
         return (
-            effects_gate(gram, dof, stage, 0.5 * alpha, seed),
-            smooth_gate(residual, free, smooth, dof, stage, 0.5 * alpha),
+            effects_gate(gram, dof, stage, (1.0 - SMOOTH) * alpha, seed),
+            smooth_gate(residual, free, smooth, dof, stage, SMOOTH * alpha),
         )
 
+
+    @cached_property
+    def _solved(self) -> Array:
+        """Pseudo-inverse of what is free, (p, m)."""
+        scale = np.sqrt((self.free**2).sum(axis=0))
+        scale[scale == 0.0] = 1.0
+        return np.asarray(np.linalg.pinv(self.free / scale, rcond=1e-9) / scale[:, None])
+
+    def linear_start(self, model: tuple[int, ...]) -> dict[str, float]:
+        """Return calibrated parameters, and the sizes of a model's effects, where the linear model has them."""
+        places, problem = list(model), self.problem
+        inner = self.gram.gram[np.ix_(places, places)] + np.eye(len(places))
+        sizes = np.clip(np.linalg.solve(inner, self.gram.at_zero()[places]), -_FAR, _FAR)
+        sizes = np.where(self.one_sided[places], np.maximum(sizes, 0.1), sizes)
+        change = -self.center
+        change[places] += sizes
+        count = 3 * len(self.rows)
+        off = self.residual.copy()
+        off[:count] -= self.flat(self.sizes) @ change
+        moves = self._solved @ off
+        start = dict(self.values)
+        for key, move in zip(problem.keys, moves.tolist(), strict=False):
+            now = self.values[key]
+            start[key] = float(np.clip(now + move, *(sorted((0.7 * now, 1.3 * now)) if now else (-np.inf, np.inf))))
+        for i, size in zip(places, sizes.tolist(), strict=True):
+            start[self._of(i).keys[0]] = self._of(i).start[0] + size * self._of(i).spread[0]
+        return start
 
     def without(self, row: int) -> "View":
         """Return the view with one more of its rows left out, the cleaned residuals of the others kept."""
