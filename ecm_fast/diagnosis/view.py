@@ -11,6 +11,7 @@ from ..errors import NotConverged
 from ..identification_rows import DECLARED, Noise, State
 from .candidates import Candidate
 from .cleaning import Chain, Cleaned, clean, orthonormal, removal
+from .compliance import STIFFNESSES
 from .gates import SMOOTH, effects_gate, smooth_gate
 from .linear import Gram
 from .problem import Problem, Weights
@@ -127,14 +128,12 @@ class View:
         """What calibration can do: columns (n, 3, p), and its priors' rows (q, p) with their residuals (q,)."""
         problem, size = self.problem, len(self.problem.keys)
         columns = np.concatenate([self.by[:, :, :size], self.weights.shift[self.rows]], axis=2)
-        known = np.isfinite(problem.prior[:, 1])
-        center, std = problem.prior[known].T
-        rows = np.zeros((int(known.sum()), columns.shape[2]))
-        rows[np.arange(len(rows)), np.flatnonzero(known)] = 1.0 / std
-        now = np.array([self.values.get(key, float(own)) for key, own in
-                        zip(problem.keys, problem.start(problem.keys), strict=True)])  # fmt: skip
-        shifts = np.eye(columns.shape[2])[size:]
-        return columns, np.vstack([rows, shifts]), np.concatenate([(center - now[known]) / std, np.zeros(len(shifts))])
+        now = [self.values.get(key, float(own)) for key, own in
+               zip(problem.keys, problem.start(problem.keys), strict=True)]  # fmt: skip
+        off, slope = problem.prior.rows(np.array(now))
+        shifts = columns.shape[2] - size
+        rows = np.vstack([np.pad(slope, ((0, 0), (0, shifts))), np.eye(shifts, size + shifts, size)])
+        return columns, rows, np.concatenate([-off, np.zeros(shifts)])
 
     @cached_property
     def sizes(self) -> Array:
@@ -274,7 +273,7 @@ class View:
         start = dict(self.values)
         for key, move in zip(problem.keys, moves.tolist(), strict=False):
             now = self.values[key]
-            start[key] = float(np.clip(now + move, *(sorted((0.7 * now, 1.3 * now)) if now else (-np.inf, np.inf))))
+            start[key] = now / max(1.0 - move / now, 0.2) if key in STIFFNESSES else now + move
         for i, size in zip(places, sizes.tolist(), strict=True):
             start[self._of(i).keys[0]] = self._of(i).start[0] + size * self._of(i).spread[0]
         return start
