@@ -18,7 +18,7 @@ from .mechanism import Mechanism
 from .model import FiniteElementModel
 from .training import WRENCH_BOX
 
-__all__ = ["LARGEST_TENDON_FORCE", "ROUNDING", "Converged", "LoadSet", "converged", "error_maps", "errors"]
+__all__ = ["LARGEST_TENDON_FORCE", "ROUNDING", "Converged", "LoadSet", "converged", "error_maps", "errors", "short"]
 
 Array = NDArray[np.float64]
 LARGEST_TENDON_FORCE = 160.0
@@ -140,3 +140,9 @@ def error_maps(mechanism: Mechanism, chosen: Sequence[Candidate], side: int = 33
     known = converged(mechanism, LoadSet.of(np.stack(np.meshgrid(ends, ends, indexing="ij"), axis=-1).reshape(-1, 2)))
     maps = [errors(candidate.model(mechanism), known)[0] for candidate in chosen]
     return known.loads.lam, np.stack(maps, axis=1)
+
+
+def short(error: float) -> str:
+    """Return an error with one digit: 2e-7."""
+    digits, _, exponent = f"{error:.0e}".partition("e")
+    return f"{digits}e{int(exponent)}" if exponent else digits

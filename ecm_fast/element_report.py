@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .element_errors import LARGEST_TENDON_FORCE, error_maps
-from .element_study import ElementStudy, Measured, short
+from .element_errors import LARGEST_TENDON_FORCE, error_maps, short
+from .element_study import ElementStudy, Measured
 from .element_words import ASKED, answer, by_kind, counts_needed
 from .files import csv_text, write_whole
 from .plots import COLORS, canvas

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .data import Measurements
 from .element_candidates import Candidate, candidates
-from .element_errors import ROUNDING, Converged, LoadSet, converged, errors
+from .element_errors import ROUNDING, Converged, LoadSet, converged, errors, short
 from .errors import InputError, NotConverged, shown
 from .mechanism import Mechanism
 from .model import FiniteElementModel
@@ -23,7 +23,6 @@ __all__ = [
     "needed",
     "pareto",
     "recommended",
-    "short",
     "study_elements",
 ]
 
@@ -59,7 +58,12 @@ class Measured:
     @property
     def sentence(self) -> str:
         """What it is, leaves and costs: "one quartic element: 2e-7, 0.6 us"."""
-        return f"{self.candidate.name}: {short(self.error)}, {self.time * 1e6:.2g} us"
+        return f"{self.candidate.name}: {short(self.error)}, {self.microseconds}"
+
+    @property
+    def microseconds(self) -> str:
+        """Its time with two digits: "0.6 us"."""
+        return f"{float(f'{self.time * 1e6:.2g}'):g} us"
 
     def __repr__(self) -> str:
         return f"Measured({self.sentence})"
@@ -292,9 +296,3 @@ def _none_keeps(rows: Sequence[Measured], tolerance: float) -> str:
     best = min(rows, key=lambda row: row.error)
     return (f"tolerance = {tolerance:g}: no candidate keeps it; the best, {best.candidate.name}, leaves "
             f"{short(best.error)}; allow that or compare finer ones")  # fmt: skip
-
-
-def short(error: float) -> str:
-    """Return an error with one digit: 2e-7."""
-    digits, _, exponent = f"{error:.0e}".partition("e")
-    return f"{digits}e{int(exponent)}" if exponent else digits

@@ -6,7 +6,8 @@ Every sentence is about candidates that the study compared; where one of them is
 import math
 from collections.abc import Iterable, Iterator
 
-from .element_study import ElementStudy, Measured, needed, short
+from .element_errors import short
+from .element_study import ElementStudy, Measured, needed
 
 __all__ = ["ASKED", "answer", "by_kind", "counts_needed"]
 
@@ -113,7 +114,7 @@ def _knowing(found: _Found) -> Iterator[str]:
     for higher, arcs in found.pairs([(("quadratic", _PAPER // 2, "even"), ("SE(2)", _PAPER, "even"))]):
         yield (f"A higher order gains {'more' if higher.error < arcs.error else 'less'}: {higher.candidate.name}, with "
                f"as many unknowns as {arcs.candidate.name}, leave {short(higher.error)} instead of "
-               f"{short(arcs.error)}, {_us(higher)} instead of {_us(arcs)} a solve.")  # fmt: skip
+               f"{short(arcs.error)}, {higher.microseconds} instead of {arcs.microseconds} a solve.")  # fmt: skip
         yield ("The reason: with as many Gauss points as the order, Lagrange elements leave the strains there free, "
                "and rebuild the centerline from them as strain elements do.")  # fmt: skip
 
@@ -130,11 +131,7 @@ def _uneven(found: _Found) -> Iterator[str]:
 
 
 def _costs(row: Measured) -> str:
-    return f"{row.candidate.name} ({row.unknowns} unknowns, {_us(row)})"
-
-
-def _us(row: Measured) -> str:
-    return f"{row.time * 1e6:.2g} us"
+    return f"{row.candidate.name} ({row.unknowns} unknowns, {row.microseconds})"
 
 
 def _times(one: Measured, other: Measured) -> str:

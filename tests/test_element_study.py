@@ -13,8 +13,8 @@ from ecm_fast import Candidate, InputError, LoadSet, Mechanism, NotConverged
 from ecm_fast.__main__ import main
 from ecm_fast.data import Measurements
 from ecm_fast.element_candidates import candidates, ending_at_jumps, graded, stiffness_jumps
-from ecm_fast.element_errors import Converged, converged, errors
-from ecm_fast.element_study import ElementStudy, Measured, choose_discretization, needed, pareto, recommended, short
+from ecm_fast.element_errors import Converged, converged, errors, short
+from ecm_fast.element_study import ElementStudy, Measured, choose_discretization, needed, pareto, recommended
 from ecm_fast.element_words import answer
 from ecm_fast.testbed import equilibria
 
@@ -208,6 +208,7 @@ def test_the_recommendation_is_the_fastest_that_keeps_the_tolerance():
     assert recommended(ROWS, 1e-6) is ROWS[2]
     assert recommended(ROWS, 1e-7) is None
     assert ROWS[2].sentence == "one cubic element: 2e-7, 0.6 us"
+    assert measured("c", 2.14e-4, 2e-7).sentence == "one cubic element: 2e-7, 210 us"
     known = Converged(LoadSet.of([[0.0, 0.0]]), np.zeros((1, 3)), 1e-9, 8, 0)
     study = ElementStudy(Mechanism(), tuple(ROWS), known, 1e-6)
     assert study.sentence == "one cubic element: 2e-7, 0.6 us"
