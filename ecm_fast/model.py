@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -98,6 +99,12 @@ class FiniteElementModel:
     def _condensed(self) -> Condensation | Chain | None:
         """The fast path, made when first needed; None where it does not apply."""
         return fast_path(self.discretization, *self._system[:3])
+
+    @property
+    def path(self) -> Literal["condensed", "chain", "general"]:
+        """The quickest way of solving that the mechanism and its discretization permit."""
+        fast = self._condensed
+        return "general" if fast is None else "condensed" if isinstance(fast, Condensation) else "chain"
 
     @property
     def tip(self) -> Array:

@@ -111,7 +111,7 @@ def test_mirror_class(effect, chains):
 def test_which_effects_leave_the_fast_path(effect):
     """The list above: every other effect keeps the control step at its speed."""
     model = FiniteElementModel(NECK.replace(**{effect.size.key: effect.size.typical}))
-    assert (model._condensed is None) == (effect.name in OFF_THE_FAST_PATH)
+    assert model.path == ("general" if effect.name in OFF_THE_FAST_PATH else "condensed")
 
 
 @pytest.mark.parametrize("effect", EFFECTS)
