@@ -70,9 +70,10 @@ class Story:
         return self.found.rows.data
 
 
-def map_points(axes: Axes, u: Array, v: Array, values: Array, limit: float) -> Any:
+def map_points(axes: Axes, u: Array, v: Array, values: Array, limit: float) -> None:
     """Draw colored points, blue for negative, red for positive values."""
-    return axes.scatter(u, v, c=values, s=14.0, cmap="RdBu_r", vmin=-limit, vmax=limit, edgecolors="#8a8f98",
+    axes.locator_params(nbins=4)
+    axes.scatter(u, v, c=values, s=14.0, cmap="RdBu_r", vmin=-limit, vmax=limit, edgecolors="#8a8f98",
                         linewidths=0.25, rasterized=u.size > MANY)  # fmt: skip
 
 

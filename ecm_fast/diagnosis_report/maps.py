@@ -59,11 +59,10 @@ def residual_maps(story: Story) -> Picture:
             values = [scale * off[rows, i] for off in (found.before, found.after)]
             limit = float(np.quantile(np.abs(values[0]), 0.98)) or 1.0
             for axes, value in zip(grid[:, i], values, strict=True):
-                dots = map_points(axes, total, difference, value, limit)
+                map_points(axes, total, difference, value, limit)
                 axes.grid(True)
-            grid[0, i].set_title(f"{name} [{unit}]")
+            grid[0, i].set_title(f"{name}, ±{limit:.2g} {unit}")
             grid[1, i].set_xlabel("λl + λr [N]")
-            figure.colorbar(dots, ax=grid[:, i], location="bottom", shrink=0.8)
         grid[0, 0].set_ylabel("before\nλl − λr [N]")  # noqa: RUF001  a true minus sign
         grid[1, 0].set_ylabel("after\nλl − λr [N]")  # noqa: RUF001
     columns = {
@@ -72,7 +71,8 @@ def residual_maps(story: Story) -> Picture:
            for i, name in enumerate(("x_m", "z_m", "theta_rad"))},
     }  # fmt: skip
     caption = "What is left, measured less simulated, over sum and difference of the tendon forces; each channel has "
-    return Picture("residual_maps", f"{caption}one color scale for before and after.", figure, columns)
+    caption += "one color scale for before and after, its ends above it: deep red measured more, deep blue less."
+    return Picture("residual_maps", caption, figure, columns)
 
 
 def parity_split(story: Story) -> Picture | None:
@@ -97,18 +97,18 @@ def parity_split(story: Story) -> Picture | None:
             both = [scale * part[:, channel] for part in (even, odd)]
             limit = float(max(np.abs(part).max(initial=0.0) for part in both)) or 1.0
             for axes, value in zip(grid[:, channel], both, strict=True):
-                dots = map_points(axes, total, difference, value, limit)
+                map_points(axes, total, difference, value, limit)
                 axes.grid(True)
-            grid[0, channel].set_title(f"{name} [{unit}]")
+            grid[0, channel].set_title(f"{name}, ±{limit:.2g} {unit}")
             grid[1, channel].set_xlabel("λl + λr [N]")
-            figure.colorbar(dots, ax=grid[:, channel], location="bottom", shrink=0.8)
         grid[0, 0].set_ylabel("alike on both sides\n|λl − λr| [N]")  # noqa: RUF001
         grid[1, 0].set_ylabel("left and right differ\n|λl − λr| [N]")  # noqa: RUF001
     columns = {"lam_sum_N": total, "lam_difference_N": difference}
     for word, part in (("even", even), ("odd", odd)):
         columns |= {f"{name}_{word}": part[:, k] for k, name in enumerate(("x_m", "z_m", "theta_rad"))}
     caption = f"The gap before, from {len(pairs)} pairs of mirrored loads: the part that is the same in the mirror "
-    return Picture("parity", f"{caption}image, and the part that is not.", figure, columns)
+    caption += "image, and the part that is not. Deep red and blue: the ends of the scale above."
+    return Picture("parity", caption, figure, columns)
 
 
 def loops(story: Story) -> Picture | None:
