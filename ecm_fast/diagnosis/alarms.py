@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..parameters import find
-from .problem import STIFFNESSES
+from .compliance import STIFFNESSES
 from .search import Found
 
 __all__ = ["alarms"]
@@ -23,9 +23,8 @@ def alarms(found: Found) -> tuple[str, ...]:
 def _priors(found: Found) -> Iterator[str]:
     fit, problem = found.null, found.view.problem
     information = np.linalg.pinv(fit.covariance, hermitian=True)
-    known = np.isfinite(problem.prior[:, 1])
-    for i in np.flatnonzero(known):
-        center, std = problem.prior[i]
+    for i in problem.prior.known[~problem.prior.rough[problem.prior.known]]:
+        center, std = problem.prior.center[i], problem.prior.std[i]
         free = information.copy()
         free[i, i] -= std**-2
         with np.errstate(all="ignore"):

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from ..errors import NotConverged
 from ..identification_rows import Noise, State
 from ..least_squares import Loss, minimize
+from .compliance import Scales
 from .problem import Problem
 
 __all__ = ["calibrate"]
@@ -29,13 +30,12 @@ def calibrate(problem: Problem) -> tuple[dict[str, float], Noise]:
     values = np.clip(problem.start(problem.keys), lower, upper)
     state = rows.at(values)
     noise = problem.noise(state)
-    known = np.isfinite(problem.prior[:, 1])
     for _ in range(_ROUNDS):
         use = ~problem.locked & state.stable & problem.wanted.any(axis=1)
         if not use.any():
             raise NotConverged(f"{problem.data[0].source}: no row has a stable equilibrium on this mechanism")
         before = values
-        values = _fit(problem, noise, state, use, values, known, (lower, upper))
+        values = _fit(problem, noise, state, use, values, (lower, upper))
         state = rows.at(values)
         if np.all(np.abs(values - before) <= _SAME * 1e-2 * np.maximum(np.abs(values), 1e-9)):
             break
@@ -48,23 +48,23 @@ def _fit(
     state: State,
     use: NDArray[np.bool_],
     start: Array,
-    known: NDArray[np.bool_],
     bounds: tuple[Array, Array],
 ) -> Array:
     weights = problem.weights(noise, state, use)
-    center, std = problem.prior[known].T
-    by_prior = np.eye(len(start))[known] / std[:, None]
     used = (problem.wanted & use[:, None])[use]
     whitening, measured = weights.whitening[use], problem.rows.measured[use]
 
-    def residuals(values: Array) -> tuple[Array, Array] | None:
+    scales = Scales.of(problem.keys, problem.start(problem.keys))
+
+    def residuals(moved: Array) -> tuple[Array, Array] | None:
+        values, slope = scales.values(moved), scales.slope(moved)
         there = problem.rows.at(values)
         if not there.stable[use].all():
             return None
         off = np.where(used, measured - there.pose[use], 0.0)
         by = -(whitening @ there.by[use]).reshape(-1, len(values))
-        own = (values[known] - center) / std
-        return np.concatenate([(whitening @ off[:, :, None]).ravel(), own]), np.vstack([by, by_prior])
+        own, by_prior = problem.prior.rows(values)
+        return np.concatenate([(whitening @ off[:, :, None]).ravel(), own]), np.vstack([by, by_prior]) * slope
 
-    found = minimize(residuals, start, *bounds, Loss("huber", 1.5), int(known.sum()), near=_NEAR)
-    return found.values
+    first, limits = scales.moved(start), scales.bounds(*bounds)
+    return scales.values(minimize(residuals, first, *limits, Loss("huber", 1.5), problem.prior.known.size, near=_NEAR).values)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Chain", "Cleaned", "clean", "orthonormal"]
+__all__ = ["Chain", "Cleaned", "clean", "orthonormal", "removal"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -17,12 +17,14 @@ Mask = NDArray[np.bool_]
 _TAILS = (3.0, 5.0, 10.0, 40.0)
 """Degrees of freedom of Student's t; the last one leaves Gaussian noise all but as it is."""
 _OUTLIER = 6.0
+_MOST = 0.1  # largest share of the rows that may be outliers
 _ROUNDS = 10
 _DECLARED_DOF = 10.0
-_LARGEST_MEMORY = 0.9
+_LARGEST_MEMORY, _FEWEST_PAIRS = 0.9, 20
 _MEDIAN_TO_SIGMA = 1.4826
 _HEAVIER = 1.0
 """Gain of the log-likelihood for which a heavier tail is taken."""
+_ALMOST = 1e-3  # keeps a row that alone speaks for something from being judged by rounding
 _SMALL = 1e-9  # singular values below this share of the largest carry nothing
 
 
@@ -88,14 +90,9 @@ def clean(residual: Array, used: Mask, basis: Array, chain: Chain, declared: Mas
     declared : (3,) channels whose noise is declared: that is worth some degrees of freedom
     """
     q = orthonormal(basis.reshape(used.size, -1) * used.reshape(-1, 1))
-    fit, scale, nu = _student(residual, used, q)
-    off = residual - fit
-    outlier = used.any(axis=1) & (np.abs(off) > _OUTLIER * scale).any(axis=1)
-    good = used & ~outlier[:, None]
-    if outlier.any():
-        q = orthonormal(basis.reshape(used.size, -1) * good.reshape(-1, 1))
-        fit, scale, nu = _student(residual, good, q)
-        off = residual - fit
+    good, q = _without_outliers(residual, used, q)
+    fit, scale, nu = _student(residual, good, q)
+    off, outlier = residual - fit, used.any(axis=1) & ~good.any(axis=1)
     u = off / scale
     drawn = np.where(good, scale * u * (nu + 3.0) / (nu + u**2), 0.0)  # psi over its mean slope, (nu+1)/(nu+3)
     scale, dof = _scale(drawn, good, q, declared)
@@ -113,6 +110,35 @@ def orthonormal(columns: Array) -> Array:
     seen = values > _SMALL * values[-1]
     found = (columns @ vectors[:, seen]) / np.sqrt(values[seen])
     return np.linalg.qr(found)[0]
+
+
+def _without_outliers(residual: Array, used: Mask, q: Array) -> tuple[Mask, Array]:
+    """Return which readings are left, (n, 3), and their basis, when rows far out are taken away one by one.
+
+    A row is judged by what its removal takes off the sum of squares: a row that alone speaks for something would
+    otherwise draw the fit to itself and hide.
+    """
+    good = used.copy()
+    for _ in range(int(_MOST * len(residual))):
+        flat = np.where(good, residual, 0.0).ravel()
+        lost = q.shape[1] / max(int(good.sum()), 1)
+        off = np.where(good, (flat - q @ (q.T @ flat)).reshape(-1, 3), 0.0)
+        unit = np.where(good, residual, 0.0) / _spread(off / np.sqrt(max(1.0 - lost, 0.1)), good)
+        gain = removal(unit, q)
+        worst = int(np.argmax(gain))
+        if gain[worst] < _OUTLIER**2:
+            break
+        good[worst] = False
+        q = orthonormal(q * good.reshape(-1, 1))
+    return good, q
+
+
+def removal(residual: Array, q: Array) -> Array:
+    """Return what the removal of each row takes off the sum of squares that a basis (3 n, q) leaves, (n,)."""
+    off = (residual.ravel() - q @ (q.T @ residual.ravel())).reshape(-1, 3)
+    rows = q.reshape(-1, 3, q.shape[1])
+    left = (1.0 + _ALMOST) * np.eye(3) - rows @ rows.transpose(0, 2, 1)
+    return np.asarray((off * np.linalg.solve(left, off[:, :, None])[:, :, 0]).sum(axis=1))
 
 
 def _student(residual: Array, good: Mask, q: Array) -> tuple[Array, Array, float]:
@@ -190,15 +216,25 @@ def _scale(drawn: Array, good: Mask, q: Array, declared: Mask) -> tuple[Array, f
 def _memory(unit: Array, good: Mask, q: Array, chain: Chain) -> float:
     """Return the correlation of neighboring rows, where it can be told from none.
 
-    The fit that was taken off leaves a correlation of its own, which is known and taken off too.
+    By moments: with M what the fit leaves of the noise and A half of one for neighbors, e'Ae / e'e is in the mean
+    (tr MA + 2 r tr MAMA) / (tr M + 2 r tr MA) for a small correlation r.
     """
     here = np.flatnonzero((chain.before >= 0) & (chain.gap == 1))
     there = chain.before[here]
     both = good[here] & good[there]
-    count = int(both.sum())
-    if count < 20:
+    if int(both.sum()) < _FEWEST_PAIRS:
         return 0.0
     rows = q.reshape(*unit.shape, -1)
-    own = float((np.einsum("ijk,ijk->ij", rows[here], rows[there]) * both).sum())
-    found = (float((unit[here] * unit[there] * both).sum()) + own) / count
-    return min(found, _LARGEST_MEMORY) if found * np.sqrt(count) > 1.0 else 0.0
+    beside = np.zeros_like(rows)
+    beside[here] += 0.5 * rows[there] * both[:, :, None]
+    beside[there] += 0.5 * rows[here] * both[:, :, None]
+    flat, own = beside.reshape(unit.size, -1), q.T @ beside.reshape(unit.size, -1)
+    first = -float(np.trace(own))
+    second = 0.5 * float(both.sum()) - 2.0 * float((flat**2).sum()) + float((own**2).sum())
+    squares, dof = float((unit[good] ** 2).sum()), float(good.sum()) - q.shape[1]
+    ratio = float((unit[here] * unit[there] * both).sum()) / max(squares, 1e-300)
+    slope = 2.0 * (second - ratio * first)
+    if second <= 0.0 or slope <= 0.0:
+        return 0.0
+    found = (ratio * dof - first) / slope
+    return min(found, _LARGEST_MEMORY) if found * np.sqrt(2.0 * second) > 1.0 else 0.0

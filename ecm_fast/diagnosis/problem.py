@@ -15,14 +15,15 @@ from ..mechanism import Mechanism
 from ..parameters import find, index, pack
 from .candidates import Candidate
 from .cleaning import Chain
+from .compliance import STIFFNESSES
 from .lock import lock
+from .priors import ROUGHLY, Priors
 
-__all__ = ["STIFFNESSES", "Problem", "Weights"]
+__all__ = ["Problem", "Weights"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-STIFFNESSES = ("beam.EA", "beam.GA", "beam.EI")
 _FEWEST = 3
 _NEAR_ZERO = 2.0  # standard deviations of a force cell within which its reading is that of a slack tendon
 _ZERO_SHIFT = 0.5  # the mean by which such a reading is off, in the same unit
@@ -73,19 +74,20 @@ class Problem:
         session = np.concatenate([part.session for part in data])
         self.run = np.unique(np.rec.fromarrays([self.rows.member, session]), return_inverse=True)[1]
 
-    def _priors(self, uncertain: Mapping[str, float], priors: Mapping[str, tuple[float, float]]) -> Array:
-        """Return value and standard deviation of what calibration may move, (p, 2), inf where nothing is known."""
+    def _priors(self, uncertain: Mapping[str, float], priors: Mapping[str, tuple[float, float]]) -> Priors:
+        """Return what is known of everything that calibration may move."""
         known = {find(name).key: entry for name, entry in priors.items()}
-        par = pack(self.mechanism)
-        table = []
+        par, table = pack(self.mechanism), []
         for key in self.keys:
-            value, std = known.pop(key, (float(par[index(key)]), uncertain.get(key, np.inf)))
+            rough = key in STIFFNESSES and key not in known
+            center, std = known.pop(key, (float(par[index(key)]), ROUGHLY if rough else uncertain.get(key, np.inf)))
             if not 0.0 < std <= np.inf:
                 raise InputError(f"standard deviation {std!r} of the prior for {key}: allowed is a number > 0")
-            table.append((find(key).check(value), std))
+            table.append((find(key).check(center), std, rough))
         for key in known:
             raise InputError(f"a prior for {key}, which calibration does not move: declare it uncertain too")
-        return np.array(table)
+        center, std, rough = (np.array(column) for column in zip(*table, strict=True))
+        return Priors(center, std, rough)
 
     def solver(self, extra: Sequence[str], mesh: Discretization | None = None) -> FitRows:
         """Return the rows as functions of what calibration moves and of `extra` parameters."""

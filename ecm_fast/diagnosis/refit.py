@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..least_squares import Minimum, minimize
+from .compliance import Scales
 from .linear import one_sided_factor
 from .view import View
 
@@ -14,7 +15,8 @@ __all__ = ["Fit", "refit"]
 
 Array = NDArray[np.float64]
 
-_NEAR = 0.03  # standard deviations
+_NEAR = 0.05  # standard deviations
+_MOST = 12  # solutions of all rows; where these do not do, the law is not smooth in a further parameter
 _FAR = 8.0  # prior standard deviations that a start may be away from none
 
 
@@ -58,46 +60,51 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float]) -> Fit
     solver = problem.solver([key for member in members for key in member.keys])
     p, shifts = len(solver.names), view.weights.shift.shape[2]
     calibrated = len(problem.keys)
-    prior = [*problem.prior, *((own, std) for m in members for own, std in zip(m.start, m.spread, strict=True))]
-    center, std = np.array(prior).T
-    known = np.isfinite(std)
-    by_prior = np.zeros((int(known.sum()) + shifts, p + shifts))
-    by_prior[np.arange(int(known.sum())), np.flatnonzero(known)] = 1.0 / std[known]
-    by_prior[int(known.sum()) :, p:] = np.eye(shifts)
+    prior = problem.prior.and_of(
+        [own for member in members for own in member.start], [std for member in members for std in member.spread]
+    )
+    by_shift = np.eye(shifts, p + shifts, p)
     lower, upper = solver.bounds()
     first = np.array(
         [start.get(key, float(own)) for key, own in zip(solver.names, problem.start(solver.names), strict=True)]
     )
-    first[calibrated:] = np.clip(
-        first[calibrated:], center[calibrated:] - _FAR * std[calibrated:], center[calibrated:] + _FAR * std[calibrated:]
-    )
+    reach = _FAR * prior.std[calibrated:]
+    first[calibrated:] = np.clip(first[calibrated:], prior.center[calibrated:] - reach, prior.center[calibrated:] + reach)
     shift = view.flat(view.weights.shift[view.rows])
     rows, whitening, here = view.rows, view.whitening, view.state.pose[view.rows]
 
-    def residuals(values: Array) -> tuple[Array, Array] | None:
-        state = solver.at(values[:p])
-        if not state.stable[rows].all():
+    scales, tried = Scales.of(solver.names, problem.start(solver.names)), 0
+
+    def residuals(all_moved: Array) -> tuple[Array, Array] | None:
+        nonlocal tried
+        tried += 1
+        values, slope = scales.values(all_moved[:p]), scales.slope(all_moved[:p])
+        state = solver.at(values) if tried <= _MOST else None
+        if state is None or not state.stable[rows].all():
             return None
         moved = (whitening @ (here - state.pose[rows])[:, :, None])[:, :, 0]
-        off = view.flat(view.cleaned.residual + moved) - shift @ values[p:]
+        off = view.flat(view.cleaned.residual + moved) - shift @ all_moved[p:]
         by = -np.hstack([view.flat(whitening @ state.by[rows]), shift])
-        own = np.concatenate([((values[:p] - center) / std)[known], values[p:]])
-        return np.concatenate([off, own]), np.vstack([by, by_prior])
+        own, by_own = prior.rows(values)
+        by = np.vstack([by, np.pad(by_own, ((0, 0), (0, shifts))), by_shift])
+        return np.concatenate([off, own, all_moved[p:]]), by * np.concatenate([slope, np.ones(shifts)])
 
     wide = np.full(shifts, np.inf)
-    begin = np.concatenate([np.clip(first, lower, upper), np.zeros(shifts)])
+    begin = np.concatenate([scales.moved(np.clip(first, lower, upper)), np.zeros(shifts)])
+    lower, upper = scales.bounds(lower, upper)
     if residuals(begin) is None:
-        begin = np.concatenate([problem.start(solver.names), np.zeros(shifts)])
-        begin[:calibrated] = [view.values.get(key, begin[i]) for i, key in enumerate(problem.keys)]
+        first = problem.start(solver.names)
+        first[:calibrated] = [view.values.get(key, first[i]) for i, key in enumerate(problem.keys)]
+        begin[:p] = scales.moved(first)
         if residuals(begin) is None:
             return Fit(model, tuple(solver.names), first, np.full((p, p), np.inf), np.inf, -np.inf)
     found = minimize(residuals, begin, np.concatenate([lower, -wide]), np.concatenate([upper, wide]), near=_NEAR)
-    return _judged(found, view, model, tuple(solver.names), calibrated)
+    return _judged(found, view, model, tuple(solver.names), scales)
 
 
-def _judged(found: Minimum, view: View, model: tuple[int, ...], keys: tuple[str, ...], calibrated: int) -> Fit:
+def _judged(found: Minimum, view: View, model: tuple[int, ...], keys: tuple[str, ...], scales: Scales) -> Fit:
     """Return the fit with its evidence, Laplace's approximation: the calibrated parameters' own share cancels."""
-    p, members = len(keys), [view.problem.candidates[i] for i in model]
+    p, calibrated, members = len(keys), len(view.problem.keys), [view.problem.candidates[i] for i in model]
     scale = np.sqrt((found.jacobian**2).sum(axis=0))
     scale[scale == 0.0] = 1.0
     normal = (found.jacobian / scale).T @ (found.jacobian / scale)
@@ -109,6 +116,9 @@ def _judged(found: Minimum, view: View, model: tuple[int, ...], keys: tuple[str,
     if own.size:
         evidence += float(np.linalg.slogdet(own)[1])
         sizes = np.cumsum([0, *(len(member.keys) for member in members)])[:-1]
-        sigmas = (found.values[calibrated:p] / np.sqrt(np.diag(covariance)[calibrated:p]))[sizes]
+        start = np.array([own for member in members for own in member.start])
+        sigmas = ((found.values[calibrated:p] - start) / np.sqrt(np.diag(covariance)[calibrated:p]))[sizes]
         evidence += float(one_sided_factor(sigmas, np.array([member.one_sided for member in members])).sum())
-    return Fit(model, keys, found.values[:p], covariance[:p, :p], found.total, evidence)
+    slope = scales.slope(found.values[:p])
+    covariance = covariance[:p, :p] * np.outer(slope, slope)
+    return Fit(model, keys, scales.values(found.values[:p]), covariance, found.total, evidence)

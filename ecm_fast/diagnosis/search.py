@@ -23,7 +23,10 @@ _PLAUSIBLE = 10.0
 """Typical sizes beyond which a name is refused."""
 _LEFT, _SINGLES, _PAIRS = 30.0, 12, 30
 _PASSES = 3
+_ALONE, _FAR_OUT = 3, 25.0
+"""How many rows an alarm may rest on and still be theirs, and what each one must take off the sum of squares."""
 _WORTH = 6.6
+_SPEAKS = 2.0
 _SURE = 1e-3
 
 
@@ -92,7 +95,7 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     """Search for what the measurements ask for."""
     values, noise = calibrate(problem)
     baseline = View.at(problem, values, (), noise)
-    gates = baseline.gates(alpha, seed)
+    baseline, gates = _on_more_than_a_row(baseline, alpha, seed)
     null = refit(baseline, (), values)
     if not any(gate.alarm for gate in gates) or max_effects < 1:
         return Found(baseline, baseline, null, {}, gates, 0, False, ())
@@ -100,7 +103,7 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     found: dict[int, list[Fit]] = {1: fits}
     own = view.gates(alpha, seed)
     gates = (*gates, *own)
-    admissible = bool(fits) and not refused(fits[0], view) and fits[0].evidence > null.evidence
+    admissible = bool(fits) and not refused(fits[0], view) and fits[0].evidence - null.evidence > _SPEAKS
     if admissible and not any(gate.alarm for gate in own):
         return Found(baseline, view, null, found, gates, 1, False, ())
     if max_effects >= 2:
@@ -117,15 +120,30 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     return Found(baseline, view, null, found, gates, int(admissible), outside, () if outside else (doubt,))
 
 
+def _on_more_than_a_row(view: View, alpha: float, seed: int) -> tuple[View, tuple[Gate, ...]]:
+    """Return the tests of a view without rows on each of which an alarm rests alone: they are outliers."""
+    first = gates = view.gates(alpha, seed)
+    reduced = view
+    for _ in range(_ALONE):
+        if not any(gate.alarm for gate in gates):
+            return reduced, gates
+        row, gain = reduced.worst()
+        if gain < _FAR_OUT:
+            break
+        reduced = reduced.without(row)
+        gates = reduced.gates(alpha, seed)
+    return (view, first) if any(gate.alarm for gate in gates) else (reduced, gates)
+
+
 def _singles(problem: Problem, baseline: View, noise: Noise) -> tuple[View, Fit, list[Fit]]:
     """Return the view at the best single effect, the fit without any there, and all fits, the best first."""
     view, best, starts = baseline, None, dict[tuple[int, ...], Fit]()
     for _ in range(_PASSES):
-        evidence, size = view.gram.singles()
+        evidence, _ = view.gram.singles()
         models = [(int(i),) for i in _leaders(evidence, view.gram.norm > 0.0, _SINGLES)]
         models = list(dict.fromkeys([*models, *([best] if best else [])]))
         null = refit(view, (), baseline.values)
-        fits = [refit(view, model, _start(view, baseline, model, size, starts)) for model in models]
+        fits = [refit(view, model, _start(view, model, starts)) for model in models]
         fits = _ranked(fits, view)
         starts.update({fit.model: fit for fit in fits})
         if not fits:
@@ -149,9 +167,8 @@ def _pairs(
             visible = (each.gram.norm[pairs.first] > 0.0) & (each.gram.norm[pairs.second] > 0.0)
             for n in _leaders(pairs.evidence, visible, _PAIRS // len(views) + 3):
                 models[int(pairs.first[n]), int(pairs.second[n])] = None
-        _, size = view.gram.singles()
         null = refit(view, (), baseline.values)
-        fits = _ranked([refit(view, model, _start(view, baseline, model, size, starts)) for model in models], view)
+        fits = _ranked([refit(view, model, _start(view, model, starts)) for model in models], view)
         starts.update({fit.model: fit for fit in fits})
         if not fits or fits[0].model == best:
             break
@@ -175,25 +192,11 @@ def _ranked(fits: list[Fit], view: View) -> list[Fit]:
     )
 
 
-def _start(
-    view: View, baseline: View, model: tuple[int, ...], size: Array, known: dict[tuple[int, ...], Fit]
-) -> dict[str, float]:
+def _start(view: View, model: tuple[int, ...], known: dict[tuple[int, ...], Fit]) -> dict[str, float]:
     """Return where to start: at the same fit of before, else at what the linear model says."""
     if model in known:
         return known[model].by_key()
-    start = dict(baseline.values)
     part = max((fit for key, fit in known.items() if set(key) < set(model)), key=lambda fit: fit.evidence, default=None)
-    if part is not None:
-        return part.by_key()
-    sizes = _linear_sizes(view, model)
-    for i, own in zip(model, sizes, strict=True):
-        candidate = view.problem.candidates[i]
-        start[candidate.keys[0]] = candidate.start[0] + float(np.clip(own, -2.0, 2.0)) * candidate.spread[0]
-    return start
-
-
-def _linear_sizes(view: View, model: tuple[int, ...]) -> Array:
-    """Return the sizes of a model's effects in prior standard deviations, as the linear model has them."""
-    places = list(model)
-    gram = view.gram.gram[np.ix_(places, places)] + np.eye(len(places))
-    return np.asarray(np.linalg.solve(gram, view.gram.at_zero()[places]))
+    if part is None or not part.model:
+        return view.linear_start(model)
+    return {**view.linear_start(model), **part.by_key()}

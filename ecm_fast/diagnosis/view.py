@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from ..errors import NotConverged
 from ..identification_rows import DECLARED, Noise, State
 from .candidates import Candidate
-from .cleaning import Chain, Cleaned, clean, orthonormal
-from .gates import effects_gate, smooth_gate
+from .cleaning import Chain, Cleaned, clean, orthonormal, removal
+from .compliance import STIFFNESSES
+from .gates import SMOOTH, effects_gate, smooth_gate
 from .linear import Gram
 from .problem import Problem, Weights
 from .result import Gate
@@ -24,6 +25,7 @@ Mask = NDArray[np.bool_]
 
 _SATURATED = 3.0
 """Directions in which effects of this many prior standard deviations are below the noise count as noise."""
+_FAR = 2.0  # prior standard deviations that the linear model is trusted
 _SHARE = 6  # readings for every direction of effects that noise is measured beside
 
 
@@ -126,14 +128,12 @@ class View:
         """What calibration can do: columns (n, 3, p), and its priors' rows (q, p) with their residuals (q,)."""
         problem, size = self.problem, len(self.problem.keys)
         columns = np.concatenate([self.by[:, :, :size], self.weights.shift[self.rows]], axis=2)
-        known = np.isfinite(problem.prior[:, 1])
-        center, std = problem.prior[known].T
-        rows = np.zeros((int(known.sum()), columns.shape[2]))
-        rows[np.arange(len(rows)), np.flatnonzero(known)] = 1.0 / std
-        now = np.array([self.values.get(key, float(own)) for key, own in
-                        zip(problem.keys, problem.start(problem.keys), strict=True)])  # fmt: skip
-        shifts = np.eye(columns.shape[2])[size:]
-        return columns, np.vstack([rows, shifts]), np.concatenate([(center - now[known]) / std, np.zeros(len(shifts))])
+        now = [self.values.get(key, float(own)) for key, own in
+               zip(problem.keys, problem.start(problem.keys), strict=True)]  # fmt: skip
+        off, slope = problem.prior.rows(np.array(now))
+        shifts = columns.shape[2] - size
+        rows = np.vstack([np.pad(slope, ((0, 0), (0, shifts))), np.eye(shifts, size + shifts, size)])
+        return columns, rows, np.concatenate([-off, np.zeros(shifts)])
 
     @cached_property
     def sizes(self) -> Array:
@@ -246,9 +246,53 @@ class View:
         smooth = np.vstack([smooth, np.zeros((len(residual) - len(smooth), smooth.shape[1]))])
         stage, dof = len(self.model), self.cleaned.dof
         return (
-            effects_gate(gram, dof, stage, 0.5 * alpha, seed),
-            smooth_gate(residual, free, smooth, dof, stage, 0.5 * alpha),
+            effects_gate(gram, dof, stage, (1.0 - SMOOTH) * alpha, seed),
+            smooth_gate(residual, free, smooth, dof, stage, SMOOTH * alpha),
         )
+
+
+    @cached_property
+    def _solved(self) -> Array:
+        """Pseudo-inverse of what is free, (p, m)."""
+        scale = np.sqrt((self.free**2).sum(axis=0))
+        scale[scale == 0.0] = 1.0
+        return np.asarray(np.linalg.pinv(self.free / scale, rcond=1e-9) / scale[:, None])
+
+    def linear_start(self, model: tuple[int, ...]) -> dict[str, float]:
+        """Return calibrated parameters, and the sizes of a model's effects, where the linear model has them."""
+        places, problem = list(model), self.problem
+        inner = self.gram.gram[np.ix_(places, places)] + np.eye(len(places))
+        sizes = np.clip(np.linalg.solve(inner, self.gram.at_zero()[places]), -_FAR, _FAR)
+        sizes = np.where(self.one_sided[places], np.maximum(sizes, 0.1), sizes)
+        change = -self.center
+        change[places] += sizes
+        count = 3 * len(self.rows)
+        off = self.residual.copy()
+        off[:count] -= self.flat(self.sizes) @ change
+        moves = self._solved @ off
+        start = dict(self.values)
+        for key, move in zip(problem.keys, moves.tolist(), strict=False):
+            now = self.values[key]
+            start[key] = now / max(1.0 - move / now, 0.2) if key in STIFFNESSES else now + move
+        for i, size in zip(places, sizes.tolist(), strict=True):
+            start[self._of(i).keys[0]] = self._of(i).start[0] + size * self._of(i).spread[0]
+        return start
+
+    def without(self, row: int) -> "View":
+        """Return the view with one more of its rows left out, the cleaned residuals of the others kept."""
+        kept = np.arange(len(self.rows)) != row
+        own, rows = self.cleaned, self.rows[kept]
+        cleaned = replace(own, residual=own.residual[kept], outlier=own.outlier[kept])
+        lost = np.append(self.outliers, self.rows[row])
+        return replace(self, rows=rows, chain=self.problem.chain(rows), cleaned=cleaned, outliers=lost)
+
+    def worst(self) -> tuple[int, float]:
+        """Return the row whose removal takes most off the sum of squares, smooth functions let free, and how much."""
+        smooth = self.flat(_by_channel(self.smooth[self.rows]).reshape(len(self.rows), 3, -1))
+        columns = np.hstack([self.rest[1][: len(smooth)], smooth])
+        off = self.rest[0][: len(smooth)]
+        gain = removal(off.reshape(-1, 3), orthonormal(columns))
+        return int(np.argmax(gain)), float(gain.max())
 
 
 def _by_channel(columns: Array) -> Array:
