@@ -83,9 +83,8 @@ def test_cosines_are_those_of_patterns(done) -> None:
 
 
 def test_the_next_loads_go_on_from_the_result(done, capsys) -> None:
-    assert (
-        main(["next", str(done / "diagnose.json"), "--minutes", "4", "--add-ons", "nothing", "wrench", "--json"]) == 0
-    )
+    words = ["next", str(done / "diagnose.json"), "--minutes", "4"]
+    assert main([*words, "--add-ons", "nothing", "wrench", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert {"stiffness_taper", "clamp_rotation_compliance"} <= set(answer["set"])
     assert answer["minutes"] <= 4.0

@@ -135,7 +135,7 @@ def _page(
 
     path = Path(args.report) if args.report else folder(args.out) / "diagnosis.html"
     shown = plan(neck, **common)
-    tests = parity(common["data"][0]) if len(common["data"]) == 1 else None
+    tests = parity(common["data"][0], found.rows.before) if len(common["data"]) == 1 else None
     return str(write_diagnosis(found, neck, path, parity=tests, plan=shown, next_loads=further, notes=noticed,
                                priors=common["priors"]))  # fmt: skip
 
