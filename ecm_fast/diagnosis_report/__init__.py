@@ -109,7 +109,9 @@ def _first_load(found: NextLoads) -> str:
 
 def _gap_table(story: Story) -> Table:
     gaps = ([story.found.gap] if story.found.gap else []) + list(story.found.transfer)
-    span = np.nanmax(story.pose, axis=0) - np.nanmin(story.pose, axis=0)
+    span = np.zeros(3)
+    for i in story.channels:
+        span[i] = np.ptp(story.pose[np.isfinite(story.pose[:, i]), i])
     rows: list[tuple[str | float | None, ...]] = []
     for gap in gaps:
         for name in ("before", "after", "floor"):
