@@ -92,7 +92,8 @@ def clean(residual: Array, used: Mask, basis: Array, chain: Chain, declared: Mas
     q = orthonormal(basis.reshape(used.size, -1) * used.reshape(-1, 1))
     good, q = _without_outliers(residual, used, q)
     fit, scale, nu = _student(residual, good, q)
-    off, outlier = residual - fit, used.any(axis=1) & ~good.any(axis=1)
+    off = residual - fit
+    outlier: Mask = np.asarray(used.any(axis=1) & ~good.any(axis=1))
     u = off / scale
     drawn = np.where(good, scale * u * (nu + 3.0) / (nu + u**2), 0.0)  # psi over its mean slope, (nu+1)/(nu+3)
     scale, dof = _scale(drawn, good, q, declared)
