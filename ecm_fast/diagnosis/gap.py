@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _DRAWS = 400
-_OUTLIER, _FEW = 8.0, 0.05
+_OUTLIER, _FEW = 8.0, 0.1
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,6 +49,7 @@ class Found:
     effects : how many were found
     outside : whether something is left that no admissible model explains
     doubts : what to know
+    closest : the view at what comes nearest, where that does not explain
     """
 
     baseline: View
@@ -59,6 +60,12 @@ class Found:
     effects: int
     outside: bool
     doubts: tuple[str, ...]
+    closest: View | None = None
+
+    @property
+    def scale(self) -> Array:
+        """Noise seen over noise assumed, by channel, where the model comes nearest to the data."""
+        return (self.closest or self.view).cleaned.scale
 
     @property
     def best(self) -> Fit:
@@ -127,7 +134,7 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
             last = both.gates(_LATER * alpha, seed)
             gates = (*gates, *last)
             if any(gate.alarm for gate in last):
-                return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, ())
+                return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), both)
             return Found(baseline, both, null2, found, gates, 2, False, ())
         if alone and alone[0].evidence - null2.evidence > _SPEAKS and alone[0].model != fits[0].model:
             view, null, fits = _singles(problem, baseline, noise, both, {fit.model: fit for fit in (*fits, *alone)})
@@ -138,7 +145,7 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     outside = not admissible or any(gate.alarm for gate in own)
     doubt = "the tests see a little more than this, but nothing that a second name would explain"
     if outside:
-        return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, ())
+        return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), view)
     return Found(baseline, view, null, found, gates, 1, False, (doubt,))
 
 

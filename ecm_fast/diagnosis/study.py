@@ -174,7 +174,8 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
     solver = problem.solver(best.keys)
     after = solver.at(np.array([best.by_key()[name] for name in solver.names]))
     weights = problem.weights(view.noise, view.state, view.state.stable)
-    opened = Opened.of(problem, baseline.state, after, weights, view.cleaned.scale)
+    before = baseline.state if found.effects else after
+    opened = Opened.of(problem, before, after, weights, found.scale)
     shown_gap, far = gap(problem, opened, problem.locked, "locked rows", study.seed)
     effects, missing = claims(found), missing_columns(problem)
     seen = sights(baseline, study.alpha, study.seed)
