@@ -12,7 +12,20 @@ import traceback
 from collections.abc import Sequence
 
 from ..errors import InputError, NotConverged
-from . import bench, diagnose, effects, elements, identify, init, next_loads, polynomial, predict, reproduce, solve, warmup
+from . import (
+    bench,
+    diagnose,
+    effects,
+    elements,
+    identify,
+    init,
+    next_loads,
+    polynomial,
+    predict,
+    reproduce,
+    solve,
+    warmup,
+)
 from ._answer import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED, plain
 from ._arguments import parse
 from ._streams import note, write
