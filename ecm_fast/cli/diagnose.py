@@ -18,6 +18,8 @@ __all__ = ["DIAGNOSE", "PLAN", "VERDICT_CODES"]
 VERDICT_CODES = {"named": 10, "family": 11, "outside_catalogue": 12, "nothing_found": 13, "data_gap": 20}
 _CODES = ", ".join(f"{code} {name}" for name, code in VERDICT_CODES.items())
 _SHOWN = 8
+_USUAL_NOISE = (1e-4, 1e-4, 1e-3)
+"""[m, m, rad] of a channel that was not measured."""
 
 
 def _add_common(parser: argparse.ArgumentParser) -> None:
@@ -115,7 +117,8 @@ def _next(neck: "Mechanism", found: "Diagnosis", common: dict[str, Any]) -> "Nex
     rivals = rivals_of(neck, common["data"], sets, **known) if len(sets) > 1 else []
     if len(rivals) < 2:
         return None
-    return next_loads(rivals, common["data"], sigma=found.noise.known_sigma, **known)
+    sigma = [value if value > 0.0 else usual for value, usual in zip(found.noise.sigma, _USUAL_NOISE, strict=True)]
+    return next_loads(rivals, common["data"], sigma=sigma, **known)
 
 
 def _page(
@@ -135,7 +138,7 @@ def _page(
 
     path = Path(args.report) if args.report else folder(args.out) / "diagnosis.html"
     shown = plan(neck, **common)
-    tests = parity(common["data"][0]) if len(common["data"]) == 1 else None
+    tests = parity(common["data"][0], found.rows.before) if len(common["data"]) == 1 else None
     return str(write_diagnosis(found, neck, path, parity=tests, plan=shown, next_loads=further, notes=noticed,
                                priors=common["priors"]))  # fmt: skip
 

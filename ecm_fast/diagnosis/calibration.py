@@ -67,4 +67,6 @@ def _fit(
         return np.concatenate([(whitening @ off[:, :, None]).ravel(), own]), np.vstack([by, by_prior]) * slope
 
     first, limits = scales.moved(start), scales.bounds(*bounds)
-    return scales.values(minimize(residuals, first, *limits, Loss("huber", 1.5), problem.prior.known.size, near=_NEAR).values)
+    return scales.values(
+        minimize(residuals, first, *limits, Loss("huber", 1.5), problem.prior.known.size, near=_NEAR).values
+    )

@@ -21,7 +21,7 @@ _MOST = 0.1  # largest share of the rows that may be outliers
 _ROUNDS = 10
 _DECLARED_DOF = 10.0
 _LARGEST_MEMORY, _FEWEST_PAIRS = 0.9, 20
-_MEDIAN_TO_SIGMA = 1.4826
+_MEDIAN_TO_SIGMA, _WITHIN_THREE = 1.4826, 1.0136  # of Gaussian noise
 _HEAVIER = 1.0
 """Gain of the log-likelihood for which a heavier tail is taken."""
 _ALMOST = 1e-3  # keeps a row that alone speaks for something from being judged by rounding
@@ -92,7 +92,8 @@ def clean(residual: Array, used: Mask, basis: Array, chain: Chain, declared: Mas
     q = orthonormal(basis.reshape(used.size, -1) * used.reshape(-1, 1))
     good, q = _without_outliers(residual, used, q)
     fit, scale, nu = _student(residual, good, q)
-    off, outlier = residual - fit, used.any(axis=1) & ~good.any(axis=1)
+    off = residual - fit
+    outlier: Mask = np.asarray(used.any(axis=1) & ~good.any(axis=1))
     u = off / scale
     drawn = np.where(good, scale * u * (nu + 3.0) / (nu + u**2), 0.0)  # psi over its mean slope, (nu+1)/(nu+3)
     scale, dof = _scale(drawn, good, q, declared)
@@ -163,9 +164,15 @@ def _student(residual: Array, good: Mask, q: Array) -> tuple[Array, Array, float
 
 
 def _spread(off: Array, good: Mask) -> Array:
-    """Return a first scale by channel from the median size."""
-    off = np.abs(off)
-    found = [_MEDIAN_TO_SIGMA * np.median(off[good[:, c], c]) if good[:, c].any() else 1.0 for c in range(3)]
+    """Return a first scale by channel: the root mean square of what is within three of it, from the median on."""
+    found = np.ones(3)
+    for channel in np.flatnonzero(good.any(axis=0)):
+        size = np.abs(off[good[:, channel], channel])
+        scale = _MEDIAN_TO_SIGMA * float(np.median(size))
+        for _ in range(3):
+            inside = size[size <= 3.0 * scale]
+            scale = _WITHIN_THREE * float(np.sqrt(np.mean(inside**2))) if inside.size else scale
+        found[channel] = scale
     return np.maximum(found, 1e-6)
 
 

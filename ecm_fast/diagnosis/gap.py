@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _DRAWS = 400
-_OUTLIER, _FEW = 8.0, 0.05
+_OUTLIER, _FEW = 8.0, 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +88,8 @@ def _rms(raw: Array, white: Array, blocks: NDArray[np.int64], seed: int) -> Rms:
     drawn = np.random.default_rng(seed).integers(groups, size=(_DRAWS, groups))
     means = np.sqrt(squares[drawn].sum(axis=1) / np.maximum(counts[drawn].sum(axis=1), 1.0))
     low, high = np.quantile(means, [0.05, 0.95])
-    return Rms(*size.tolist(), float(np.sqrt(squares.sum() / counts.sum())), (float(low), float(high)))
+    x, z, theta = size.tolist()
+    return Rms(x, z, theta, float(np.sqrt(squares.sum() / counts.sum())), (float(low), float(high)))
 
 
 def _blocks(problem: Problem) -> NDArray[np.int64]:

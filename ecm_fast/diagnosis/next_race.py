@@ -145,9 +145,9 @@ class Race:
         """Count a load as measured; rivals that are close after it are refitted with it."""
         self.data.append(_filled(self.blank.select([load] * repeats)))
         then = self.then(repeats)[:, load]
-        near = 4.0 * then[self.open].min()
+        near = 2.0 * then[self.open].min()
         for pair, squared in enumerate(then):
-            if squared <= max(near, _ENOUGH**2):
+            if squared <= near and self.open[pair]:
                 self.terms[pair] = self._terms(pair)
             else:
                 for one in self.terms[pair]:

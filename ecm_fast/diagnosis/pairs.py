@@ -119,6 +119,8 @@ def approach(data: Measurements) -> NDArray[np.int64]:
 
 def repeats(data: Measurements) -> list[Places]:
     """Return groups of at least two rows that repeat one load: by ``pose_id``, else by the loads themselves."""
+    if not data.n:
+        return []
     if (data.pose_id != "").any():
         _, label = np.unique(np.char.add(np.char.add(data.experiment, "\0"), data.pose_id), return_inverse=True)
         label = np.where(data.pose_id != "", label, -1)

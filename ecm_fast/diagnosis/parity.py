@@ -6,7 +6,7 @@ order of loads shows path effects, and a repeated load shows drift.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +44,7 @@ class ParityTest:
     name : odd, even, path or drift
     pairs : how many pairs of rows answer it
     p : probability of a pattern at least as clear among pairs whose signs are random; None where it is not answered
-    by_channel : the same for x, z, theta alone
+    by_channel : the same for each channel that was measured alone
     deviation : median of what the pairs differ by, x, z, theta [m, m, rad]
     gap : what the data lack, in words, where it is not answered
     """
@@ -59,7 +59,8 @@ class ParityTest:
     def __repr__(self) -> str:
         if self.p is None or self.deviation is None:
             return f"{self.name}: not answered, {self.gap}"
-        parts = [f"{n} {1e3 * d:+.3g} {u}" for n, d, u in zip(_CHANNELS, self.deviation, _UNITS, strict=True)]
+        named = zip(_CHANNELS, self.deviation, _UNITS, strict=True)
+        parts = [f"{name} {1e3 * off:+.3g} {unit}" for name, off, unit in named if name in self.by_channel]
         return f"{self.name}: p {self.p:.2g} from {self.pairs} pairs; median {', '.join(parts)}"
 
 
@@ -132,10 +133,18 @@ def parity(
     if residual is not None and np.shape(residual) != (data.n, 3):
         raise InputError(f"residual has shape {np.shape(residual)}: allowed is ({data.n}, 3)")
     rng = np.random.default_rng(seed)
-    whole = np.flatnonzero(data.measured.all(axis=1))
-    data, residual = data.select(whole), None if residual is None else np.asarray(residual)[whole]
+    there = data.measured.any(axis=0)
+    whole = np.flatnonzero(data.measured[:, there].all(axis=1) & there.any())
+    data, residual = _without_blanks(data.select(whole)), None if residual is None else np.asarray(residual)[whole]
+    residual = None if residual is None else np.where(there, residual, 0.0)
     tests = (_odd(data, rng), _even(data, residual, rng), _path(data, rng), _drift(data, rng))
     return Parity({test.name: test for test in tests}, alpha)
+
+
+def _without_blanks(data: Measurements) -> Measurements:
+    """Return measurements in which a channel that was not measured is 0: it follows nothing."""
+    x, z, theta = np.nan_to_num(data.pose).T.copy()
+    return replace(data, x=x, z=z, theta=theta)
 
 
 def _odd(data: Measurements, rng: np.random.Generator) -> ParityTest:
@@ -243,7 +252,7 @@ def _tested(name: str, off: Array, basis: Array, rng: np.random.Generator) -> Pa
     as_clear = np.column_stack([random, random.max(axis=1)]) >= np.r_[found, found.max()] * (1.0 - 1e-12)
     exact = len(off) <= _ALL_SIGNS
     share = as_clear.mean(axis=0) if exact else (1.0 + as_clear.sum(axis=0)) / (1.0 + len(signs))
-    channels = {name: float(p) for name, p in zip(_CHANNELS, share[:3], strict=True)}
+    channels = {name: float(share[i]) for i, name in enumerate(_CHANNELS) if off[:, i].any()}
     return ParityTest(name, every, float(share[3]), channels, (median[0], median[1], median[2]))
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .result import Sight, _plain
+from .result import Sight, plain
 
 __all__ = ["Plan"]
 
@@ -56,7 +56,7 @@ class Plan:
             "missing": self.missing,
             "warnings": self.warnings,
         }
-        return {name: _plain(value) for name, value in answer.items()}
+        return {name: plain(value) for name, value in answer.items()}
 
     def _lines(self) -> Iterator[str]:
         yield f"<Plan of {self.rows} rows; {self.noise}"

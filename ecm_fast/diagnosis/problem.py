@@ -86,8 +86,8 @@ class Problem:
             table.append((find(key).check(center), std, rough))
         for key in known:
             raise InputError(f"a prior for {key}, which calibration does not move: declare it uncertain too")
-        center, std, rough = (np.array(column) for column in zip(*table, strict=True))
-        return Priors(center, std, rough)
+        columns = [np.array(column) for column in zip(*table, strict=True)]
+        return Priors(*columns)
 
     def solver(self, extra: Sequence[str], mesh: Discretization | None = None) -> FitRows:
         """Return the rows as functions of what calibration moves and of `extra` parameters."""

@@ -16,7 +16,7 @@ __all__ = ["Fit", "refit"]
 Array = NDArray[np.float64]
 
 _NEAR = 0.05  # standard deviations
-_MOST = 12  # solutions of all rows; where these do not do, the law is not smooth in a further parameter
+_FEW, _MOST = 4, 12  # solutions of all rows; where these do not do, the law is not smooth in a further parameter
 _FAR = 8.0  # prior standard deviations that a start may be away from none
 
 
@@ -31,6 +31,7 @@ class Fit:
     values : (p,) in that order
     covariance : (p, p)
     total : weighted sum of squares, priors included
+    settled : whether that is the minimum
     evidence : less that of the fit without effects gives twice the logarithm of their ratio
     """
 
@@ -40,13 +41,14 @@ class Fit:
     covariance: Array = field(repr=False)
     total: float
     evidence: float
+    settled: bool
 
     def by_key(self) -> dict[str, float]:
         """Return the values by key."""
         return dict(zip(self.keys, self.values.tolist(), strict=True))
 
 
-def refit(view: View, model: tuple[int, ...], start: Mapping[str, float]) -> Fit:
+def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit: float = np.inf) -> Fit:
     """Fit an explanation to the cleaned residuals of a view.
 
     Parameters
@@ -54,6 +56,7 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float]) -> Fit
     view : whose weights and cleaned residuals count
     model : places of the candidates
     start : values by key, where the mechanism's own will not do
+    limit : sum of squares that the first few steps must come below for more to be taken
     """
     problem = view.problem
     members = [problem.candidates[i] for i in model]
@@ -69,23 +72,27 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float]) -> Fit
         [start.get(key, float(own)) for key, own in zip(solver.names, problem.start(solver.names), strict=True)]
     )
     reach = _FAR * prior.std[calibrated:]
-    first[calibrated:] = np.clip(first[calibrated:], prior.center[calibrated:] - reach, prior.center[calibrated:] + reach)
+    first[calibrated:] = np.clip(
+        first[calibrated:], prior.center[calibrated:] - reach, prior.center[calibrated:] + reach
+    )
     shift = view.flat(view.weights.shift[view.rows])
     rows, whitening, here = view.rows, view.whitening, view.state.pose[view.rows]
 
     scales, tried = Scales.of(solver.names, problem.start(solver.names)), 0
+    least = np.inf
 
     def residuals(all_moved: Array) -> tuple[Array, Array] | None:
-        nonlocal tried
+        nonlocal tried, least
         tried += 1
         values, slope = scales.values(all_moved[:p]), scales.slope(all_moved[:p])
-        state = solver.at(values) if tried <= _MOST else None
+        state = solver.at(values) if tried <= (_MOST if least < limit else _FEW) else None
         if state is None or not state.stable[rows].all():
             return None
         moved = (whitening @ (here - state.pose[rows])[:, :, None])[:, :, 0]
         off = view.flat(view.cleaned.residual + moved) - shift @ all_moved[p:]
         by = -np.hstack([view.flat(whitening @ state.by[rows]), shift])
         own, by_own = prior.rows(values)
+        least = min(least, float(off @ off))
         by = np.vstack([by, np.pad(by_own, ((0, 0), (0, shifts))), by_shift])
         return np.concatenate([off, own, all_moved[p:]]), by * np.concatenate([slope, np.ones(shifts)])
 
@@ -97,7 +104,7 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float]) -> Fit
         first[:calibrated] = [view.values.get(key, first[i]) for i, key in enumerate(problem.keys)]
         begin[:p] = scales.moved(first)
         if residuals(begin) is None:
-            return Fit(model, tuple(solver.names), first, np.full((p, p), np.inf), np.inf, -np.inf)
+            return Fit(model, tuple(solver.names), first, np.full((p, p), np.inf), np.inf, -np.inf, settled=False)
     found = minimize(residuals, begin, np.concatenate([lower, -wide]), np.concatenate([upper, wide]), near=_NEAR)
     return _judged(found, view, model, tuple(solver.names), scales)
 
@@ -121,4 +128,4 @@ def _judged(found: Minimum, view: View, model: tuple[int, ...], keys: tuple[str,
         evidence += float(one_sided_factor(sigmas, np.array([member.one_sided for member in members])).sum())
     slope = scales.slope(found.values[:p])
     covariance = covariance[:p, :p] * np.outer(slope, slope)
-    return Fit(model, keys, scales.values(found.values[:p]), covariance, found.total, evidence)
+    return Fit(model, keys, scales.values(found.values[:p]), covariance, found.total, evidence, found.settled)

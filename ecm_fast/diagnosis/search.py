@@ -22,12 +22,18 @@ LIMITS = {1: 6.6, 2: 9.2}
 _PLAUSIBLE = 10.0
 """Typical sizes beyond which a name is refused."""
 _LEFT, _SINGLES, _PAIRS = 30.0, 12, 30
+_ROUGH = 0.3
+"""Share of the best evidence by which the linear ranking may be wrong."""
 _PASSES = 3
 _ALONE, _FAR_OUT = 3, 25.0
 """How many rows an alarm may rest on and still be theirs, and what each one must take off the sum of squares."""
-_WORTH = 6.6
+_WORTH = 9.2
+"""Evidence that a second name must add."""
+_LATER = 0.1
+"""Share of the chance of a false alarm that tests for a second and third name may use."""
 _SPEAKS = 2.0
-_SURE = 1e-3
+_HOPELESS = 100.0
+_AGAIN, _GAIN = 3, 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +49,7 @@ class Found:
     effects : how many were found
     outside : whether something is left that no admissible model explains
     doubts : what to know
+    closest : the view at what comes nearest, where that does not explain
     """
 
     baseline: View
@@ -53,11 +60,23 @@ class Found:
     effects: int
     outside: bool
     doubts: tuple[str, ...]
+    closest: View | None = None
+
+    @property
+    def scale(self) -> Array:
+        """Noise seen over noise assumed, by channel, where the model comes nearest to the data."""
+        return (self.closest or self.view).cleaned.scale
 
     @property
     def best(self) -> Fit:
         """The fit that is reported."""
         return self.fits[self.effects][0] if self.effects else self.null
+
+    @property
+    def nearest(self) -> tuple[str, ...]:
+        """Names of the explanation that comes nearest, whether or not it explains."""
+        fits = next((self.fits[size] for size in sorted(self.fits, reverse=True) if self.fits[size]), [])
+        return tuple(self.view.problem.candidates[i].name for i in fits[0].model) if fits else ()
 
     def models(self) -> tuple[Model, ...]:
         """Return all explanations tried, those of the number reported first."""
@@ -99,25 +118,35 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     null = refit(baseline, (), values)
     if not any(gate.alarm for gate in gates) or max_effects < 1:
         return Found(baseline, baseline, null, {}, gates, 0, False, ())
-    view, null, fits = _singles(problem, baseline, noise)
+    view, null, fits = _singles(problem, baseline, noise, baseline, {})
     found: dict[int, list[Fit]] = {1: fits}
-    own = view.gates(alpha, seed)
+    own = view.gates(_LATER * alpha, seed)
     gates = (*gates, *own)
-    admissible = bool(fits) and not refused(fits[0], view) and fits[0].evidence - null.evidence > _SPEAKS
+    admissible = _admissible(fits, null, view)
     if admissible and not any(gate.alarm for gate in own):
         return Found(baseline, view, null, found, gates, 1, False, ())
     if max_effects >= 2:
         both, null2, pairs = _pairs(problem, baseline, view, noise, fits)
         found[2] = pairs
-        gain = pairs[0].evidence - null2.evidence if pairs else -np.inf
-        single = fits[0].evidence - null.evidence if admissible else 0.0
-        if pairs and not refused(pairs[0], both) and gain - single > _WORTH:
-            last = both.gates(alpha, seed)
+        alone = _alone(both, pairs)
+        single = max((fit.evidence for fit in alone), default=null2.evidence)
+        if pairs and not refused(pairs[0], both) and pairs[0].evidence - single > _WORTH:
+            last = both.gates(_LATER * alpha, seed)
             gates = (*gates, *last)
-            return Found(baseline, both, null2, found, gates, 2, any(gate.alarm for gate in last), ())
-    outside = not admissible or min(gate.p for gate in own) < _SURE
+            if any(gate.alarm for gate in last):
+                return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), both)
+            return Found(baseline, both, null2, found, gates, 2, False, ())
+        if alone and alone[0].evidence - null2.evidence > _SPEAKS and alone[0].model != fits[0].model:
+            view, null, fits = _singles(problem, baseline, noise, both, {fit.model: fit for fit in (*fits, *alone)})
+            found, own, admissible = {1: fits}, view.gates(_LATER * alpha, seed), _admissible(fits, null, view)
+            gates = (*gates, *own)
+            if admissible and not any(gate.alarm for gate in own):
+                return Found(baseline, view, null, found, gates, 1, False, ())
+    outside = not admissible or any(gate.alarm for gate in own)
     doubt = "the tests see a little more than this, but nothing that a second name would explain"
-    return Found(baseline, view, null, found, gates, int(admissible), outside, () if outside else (doubt,))
+    if outside:
+        return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), view)
+    return Found(baseline, view, null, found, gates, 1, False, (doubt,))
 
 
 def _on_more_than_a_row(view: View, alpha: float, seed: int) -> tuple[View, tuple[Gate, ...]]:
@@ -135,16 +164,34 @@ def _on_more_than_a_row(view: View, alpha: float, seed: int) -> tuple[View, tupl
     return (view, first) if any(gate.alarm for gate in gates) else (reduced, gates)
 
 
-def _singles(problem: Problem, baseline: View, noise: Noise) -> tuple[View, Fit, list[Fit]]:
-    """Return the view at the best single effect, the fit without any there, and all fits, the best first."""
-    view, best, starts = baseline, None, dict[tuple[int, ...], Fit]()
+def _admissible(fits: list[Fit], null: Fit, view: View) -> bool:
+    return bool(fits) and not refused(fits[0], view) and fits[0].evidence - null.evidence > _SPEAKS
+
+
+def _alone(view: View, pairs: list[Fit]) -> list[Fit]:
+    """Return the fits with one effect of the best pair alone, the best first."""
+    if not pairs:
+        return []
+    start = pairs[0].by_key()
+    return [fit for fit in _ranked([refit(view, (i,), start) for i in pairs[0].model], view) if not refused(fit, view)]
+
+
+def _singles(
+    problem: Problem, baseline: View, noise: Noise, view: View, known: dict[tuple[int, ...], Fit]
+) -> tuple[View, Fit, list[Fit]]:
+    """Return the view at the best single effect, the fit without any there, and all fits, the best first.
+
+    The search begins at `view`, with the fits that are `known` as starts.
+    """
+    best, starts = None, dict(known)
     for _ in range(_PASSES):
         evidence, _ = view.gram.singles()
         models = [(int(i),) for i in _leaders(evidence, view.gram.norm > 0.0, _SINGLES)]
-        models = list(dict.fromkeys([*models, *([best] if best else [])]))
+        models = list(
+            dict.fromkeys([*models, *(model for model in starts if len(model) == 1 and _near(starts, model))])
+        )
         null = refit(view, (), baseline.values)
-        fits = [refit(view, model, _start(view, model, starts)) for model in models]
-        fits = _ranked(fits, view)
+        fits = _fitted(view, models, starts)
         starts.update({fit.model: fit for fit in fits})
         if not fits:
             return view, null, fits
@@ -168,7 +215,7 @@ def _pairs(
             for n in _leaders(pairs.evidence, visible, _PAIRS // len(views) + 3):
                 models[int(pairs.first[n]), int(pairs.second[n])] = None
         null = refit(view, (), baseline.values)
-        fits = _ranked([refit(view, model, _start(view, model, starts)) for model in models], view)
+        fits = _fitted(view, list(models), starts)
         starts.update({fit.model: fit for fit in fits})
         if not fits or fits[0].model == best:
             break
@@ -178,11 +225,37 @@ def _pairs(
     return view, null, fits
 
 
+def _near(known: dict[tuple[int, ...], Fit], model: tuple[int, ...]) -> bool:
+    """Whether a fit of before is worth another."""
+    return known[model].evidence > max(fit.evidence for fit in known.values()) - _LEFT
+
+
 def _leaders(evidence: Array, allowed: NDArray[np.bool_], most: int) -> NDArray[np.int64]:
     """Return the places of the largest evidence, those far behind left out."""
     evidence = np.where(allowed, evidence, -np.inf)
     order = np.argsort(-evidence)[:most]
-    return order[evidence[order] > evidence[order[0]] - _LEFT] if order.size else order
+    if not order.size:
+        return order
+    best = float(evidence[order[0]])
+    return order[evidence[order] > best - max(_LEFT, _ROUGH * best)]
+
+
+def _fitted(view: View, models: Iterable[tuple[int, ...]], known: dict[tuple[int, ...], Fit]) -> list[Fit]:
+    """Fit explanations; the best one, where it has not settled, until it does or gains no more."""
+    fits, limit = list[Fit](), np.inf
+    for model in models:
+        fits.append(refit(view, model, _start(view, model, known), limit))
+        limit = min(limit, fits[-1].total + _HOPELESS)
+    fits = _ranked(fits, view)
+    for _ in range(_AGAIN):
+        if not fits or fits[0].settled:
+            break
+        more = refit(view, fits[0].model, fits[0].by_key())
+        gain = fits[0].total - more.total
+        fits = _ranked([more, *fits[1:]], view) if gain > 0.0 else fits
+        if gain < _GAIN:
+            break
+    return fits
 
 
 def _ranked(fits: list[Fit], view: View) -> list[Fit]:

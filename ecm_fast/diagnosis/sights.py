@@ -59,17 +59,6 @@ def sights(view: View, alpha: float, seed: int) -> tuple[Sight, ...]:
         visible = "named" if named else "seen" if seen[i] else "absorbed" if lost else "invisible"
         entry = candidate.effect.size
         rivals = tuple((candidates[j].name, float(cosine[i, j]), float(apart[i, j])) for j in nearest)
-        answer.append(
-            Sight(
-                candidate.name,
-                entry.unit,
-                entry.typical,
-                float(sigmas[i]),
-                float(smallest),
-                kept,
-                rivals,
-                visible,
-                needs,
-            )  # fmt: skip
-        )
+        size = (entry.unit, entry.typical, float(sigmas[i]), float(smallest))
+        answer.append(Sight(candidate.name, *size, kept, rivals, visible, needs))
     return tuple(answer)

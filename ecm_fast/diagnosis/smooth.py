@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..data import Measurements
 
-__all__ = ["smooth_columns"]
+__all__ = ["coordinates", "smooth_columns"]
 
 Array = NDArray[np.float64]
 
@@ -35,6 +35,14 @@ def smooth_columns(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> Arr
     for group in range(int(run.max()) + 1):
         columns += _of_order(run == group, rows)
     return np.column_stack(columns) if columns else np.zeros((len(rows), 0))
+
+
+def coordinates(data: Sequence[Measurements]) -> Array:
+    """Return the loads that vary, each from -1 to 1, (n, q)."""
+    loads = _loads(data)
+    low, span = loads.min(axis=0), np.ptp(loads, axis=0)
+    moving = span > 1e-9
+    return np.asarray(2.0 * (loads - low)[:, moving] / span[moving] - 1.0)
 
 
 def _loads(data: Sequence[Measurements]) -> Array:

@@ -17,12 +17,13 @@ from .claims import claims, estimates
 from .gap import Opened, gap
 from .plan_result import Plan
 from .problem import Problem
+from .remainder import remainder
 from .result import Diagnosis, Gap, Noise, Rows
 from .search import Found, search
 from .sights import distances, sights
 from .view import View
 from .where import compliances, where, wrenches
-from .words import missing_columns, sentence, verdict_of
+from .words import missing_columns, nearest, sentence, verdict_of
 
 __all__ = ["Study", "diagnose", "plan"]
 
@@ -173,16 +174,20 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
     solver = problem.solver(best.keys)
     after = solver.at(np.array([best.by_key()[name] for name in solver.names]))
     weights = problem.weights(view.noise, view.state, view.state.stable)
-    opened = Opened.of(problem, baseline.state, after, weights, view.cleaned.scale)
+    before = baseline.state if found.effects else after
+    opened = Opened.of(problem, before, after, weights, found.scale)
     shown_gap, far = gap(problem, opened, problem.locked, "locked rows", study.seed)
     effects, missing = claims(found), missing_columns(problem)
     seen = sights(baseline, study.alpha, study.seed)
     verdict = verdict_of(effects, outside=found.outside, gap_in_data=bool(missing) and view.cleaned.memory > 0.2)
+    left = None
+    if verdict in ("outside_catalogue", "data_gap"):
+        left = remainder(problem, view, opened, compliances(problem, baseline.state), problem.locked)
     lost = [*((int(i), "outlier") for i in [*view.outliers, *far]),
             *((int(i), "no stable equilibrium") for i in np.flatnonzero(~view.state.stable))]  # fmt: skip
     return Diagnosis(
         verdict=verdict,
-        sentence=sentence(verdict, effects, shown_gap, seen, missing),
+        sentence=sentence(verdict, effects, shown_gap, seen, missing, left),
         effects=effects,
         calibration=estimates(best, found),
         before=estimates(found.null, found),
@@ -194,10 +199,10 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
         sights=seen,
         noise=_noise(view),
         where=where(baseline) if any(gate.alarm for gate in found.gates) else None,
-        remainder=None,
+        remainder=left,
         outliers=tuple((problem.rows.where(i), reason) for i, reason in lost),
         missing=missing,
-        warnings=found.doubts,
+        warnings=(*found.doubts, *nearest(found)),
         alarms=alarms(found),
         rows=_rows(problem, opened, baseline.state, view, far),
         seconds=time.perf_counter() - begin,

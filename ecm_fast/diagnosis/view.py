@@ -1,6 +1,6 @@
 """The problem seen from one set of values: everything linear there, residuals cleaned, all signatures side by side."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -93,8 +93,6 @@ class View:
             return replace(draft, rows=rows, chain=chain, cleaned=cleaned, outliers=lost)
         return replace(draft, cleaned=cleaned)
 
-    # Raw pieces, whitened but neither scaled nor made independent from row to row
-
     @cached_property
     def raw(self) -> Array:
         """Measured less predicted, whitened, (n, 3)."""
@@ -121,7 +119,7 @@ class View:
         """Column of `by` by key."""
         return {key: i for i, key in enumerate(self.keys)}
 
-    # What is free, in order: calibrated parameters, shifts near zero force, sizes in the model, their further parameters
+    # What is free, in order: calibrated parameters, shifts near zero force, sizes of the model, their further ones
 
     @cached_property
     def nuisances(self) -> tuple[Array, Array, Array]:
@@ -152,7 +150,7 @@ class View:
             for i in self.model
             for key, std in zip(self._of(i).keys[1:], self._of(i).spread[1:], strict=True)
         ]
-        return self.by[:, :, [place[key] for key, _ in pairs]] * np.array([std for _, std in pairs])
+        return np.asarray(self.by[:, :, [place[key] for key, _ in pairs]] * np.array([std for _, std in pairs]))
 
     def _of(self, i: int) -> Candidate:
         return self.problem.candidates[i]
@@ -250,7 +248,6 @@ class View:
             smooth_gate(residual, free, smooth, dof, stage, SMOOTH * alpha),
         )
 
-
     @cached_property
     def _solved(self) -> Array:
         """Pseudo-inverse of what is free, (p, m)."""
@@ -297,7 +294,7 @@ class View:
 
 def _by_channel(columns: Array) -> Array:
     """Return columns (n, q) once for each channel, (3 n, 3 q)."""
-    return np.kron(columns, np.eye(3))
+    return np.asarray(np.kron(columns, np.eye(3)))
 
 
 _NOTHING = Cleaned(np.zeros((0, 3)), np.ones(3), 0.0, 0.0, 1.0, np.zeros(0, dtype=bool))

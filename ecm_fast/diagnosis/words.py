@@ -2,9 +2,10 @@
 
 from .candidates import lacking
 from .problem import Problem
-from .result import Claim, Gap, Sight, Verdict
+from .result import Claim, Gap, Remainder, Sight, Verdict
+from .search import Found
 
-__all__ = ["missing_columns", "sentence", "verdict_of"]
+__all__ = ["missing_columns", "nearest", "sentence", "verdict_of"]
 
 
 def verdict_of(effects: tuple[Claim, ...], *, outside: bool, gap_in_data: bool) -> Verdict:
@@ -17,26 +18,25 @@ def verdict_of(effects: tuple[Claim, ...], *, outside: bool, gap_in_data: bool) 
 
 
 def sentence(
-    verdict: Verdict, effects: tuple[Claim, ...], gap: Gap | None, sights: tuple[Sight, ...], missing: tuple[str, ...]
+    verdict: Verdict,
+    effects: tuple[Claim, ...],
+    gap: Gap | None,
+    sights: tuple[Sight, ...],
+    missing: tuple[str, ...],
+    left: Remainder | None,
 ) -> str:
     """Return the answer in one sentence."""
-    proof = _proof(gap)
     if verdict == "nothing_found":
         seen = sum(sight.visible in ("named", "seen") for sight in sights)
         return (f"No missing effect was found: {seen} of {len(sights)} effects of the catalogue would have shown at "
                 f"twice their typical size or less, the others cannot be seen in these data.")  # fmt: skip
+    if verdict in ("named", "family"):
+        return f"The data ask for {' and for '.join(_named(claim) for claim in effects)}{_proof(gap)}."
+    like = f"; it resembles {left.resembles}, which does not explain it" if left else ""
     if verdict == "data_gap":
-        return (f"Something is missing that no named effect explains{proof}, and columns that could tell are not "
-                f"there: {', '.join(missing) or 'more rows'}.")  # fmt: skip
-    if verdict == "outside_catalogue":
-        near = (
-            f"; {' with '.join(claim.name for claim in effects)} comes nearest but does not explain it"
-            if effects
-            else ""
-        )
-        return f"Something is missing that no one or two effects of the catalogue explain{near}{proof}."
-    parts = [_named(claim) for claim in effects]
-    return f"The data ask for {' and for '.join(parts)}{proof}."
+        return (f"Something is missing that no named effect explains{like}, and columns that could tell are not "
+                f"there: {', '.join(missing)}.")  # fmt: skip
+    return f"Something is missing that no one or two effects of the catalogue explain{like}."
 
 
 def _named(claim: Claim) -> str:
@@ -61,3 +61,10 @@ def missing_columns(problem: Problem) -> tuple[str, ...]:
         column for candidate in problem.candidates for column in lacking(candidate.effect, problem.data)
     )
     return tuple(found)
+
+
+def nearest(found: Found) -> tuple[str, ...]:
+    """Return a line on what comes nearest where nothing explains."""
+    if not found.outside or not found.nearest:
+        return ()
+    return (f"{' with '.join(found.nearest)} comes nearest, but the tests still see something beyond it",)

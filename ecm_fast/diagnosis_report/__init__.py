@@ -69,7 +69,7 @@ def write_diagnosis(
     ]  # fmt: skip
     if next_loads and next_loads.suggestions:
         sections.append(
-            Section("What to measure next", next_loads.remarks, (_next(next_loads),), (promise(next_loads),))
+            Section("What to measure next", next_loads.remarks, (_next(next_loads),), _kept(promise(next_loads)))
         )
     sections.append(Section("What these data can show", _invisible(found), (_sights(found),)))
     warnings = (*notes, *found.warnings, *found.alarms)
@@ -78,7 +78,12 @@ def write_diagnosis(
 
 
 def _kept(*pictures: Picture | None) -> tuple[Picture, ...]:
-    return tuple(picture for picture in pictures if picture)
+    """Return the pictures that there are, laid out once: saving one would do it twice."""
+    kept = tuple(picture for picture in pictures if picture)
+    for picture in kept:
+        picture.figure.draw_without_rendering()
+        picture.figure.set_layout_engine("none")
+    return kept
 
 
 def _first(story: Story, next_loads: NextLoads | None) -> Section:
@@ -89,18 +94,24 @@ def _first(story: Story, next_loads: NextLoads | None) -> Section:
         others = ", ".join(claim.look_alikes) or "nothing in the catalogue"
         sentences.append(f"Not distinguishable from {claim.name} here: {others}{chance}.")
     if next_loads and next_loads.suggestions:
-        first = next_loads.suggestions[0]
-        loads = ", ".join(f"{name} {value:g}" for name, value in first.loads.items())
-        mount = "" if first.mount == "nothing" else f" (mount: {first.mount})"
-        sentences.append(f"Measure next: {first.repeats} times {loads}{mount}, {first.minutes:.1f} minutes; the "
-                         f"set is then {first.promised_sigma:.1f} sigma apart instead of {next_loads.worst_before:.1f}.")  # fmt: skip
+        sentences.append(_first_load(next_loads))
     tables = (_gap_table(story),) if found.gap or found.transfer else ()
     return Section("", tuple(sentences), tables, _kept(gap_bar(story)))
 
 
+def _first_load(found: NextLoads) -> str:
+    first = found.suggestions[0]
+    loads = ", ".join(f"{name} {value:g}" for name, value in first.loads.items())
+    mount = "" if first.mount == "nothing" else f" (mount: {first.mount})"
+    apart = f"{first.promised_sigma:.1f} sigma apart instead of {found.worst_before:.1f}"
+    return f"Measure next: {first.repeats} times {loads}{mount}, {first.minutes:.1f} minutes; the set is then {apart}."
+
+
 def _gap_table(story: Story) -> Table:
     gaps = ([story.found.gap] if story.found.gap else []) + list(story.found.transfer)
-    span = np.nanmax(story.pose, axis=0) - np.nanmin(story.pose, axis=0)
+    span = np.zeros(3)
+    for i in story.channels:
+        span[i] = np.ptp(story.pose[np.isfinite(story.pose[:, i]), i])
     rows: list[tuple[str | float | None, ...]] = []
     for gap in gaps:
         for name in ("before", "after", "floor"):

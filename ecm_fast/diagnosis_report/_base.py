@@ -54,10 +54,16 @@ class Story:
         return np.asarray(self.joined("pose"))
 
     @property
+    def channels(self) -> list[int]:
+        """Which of x, z, theta were measured."""
+        return np.flatnonzero(np.isfinite(self.pose).any(axis=0)).tolist()
+
+    @property
     def whole(self) -> NDArray[np.bool_]:
-        """Rows with all three residuals that were not left out, (n,)."""
+        """Rows with residuals in all channels that were measured, and not left out, (n,)."""
         rows = self.found.rows
-        return np.asarray(np.isfinite(rows.before).all(axis=1) & np.isfinite(rows.after).all(axis=1) & ~rows.outlier)
+        known = np.isfinite(rows.before) & np.isfinite(rows.after)
+        return np.asarray(known[:, self.channels].all(axis=1) & ~rows.outlier)
 
     @property
     def calibrated(self) -> Mechanism:
@@ -70,9 +76,10 @@ class Story:
         return self.found.rows.data
 
 
-def map_points(axes: Axes, u: Array, v: Array, values: Array, limit: float) -> Any:
+def map_points(axes: Axes, u: Array, v: Array, values: Array, limit: float) -> None:
     """Draw colored points, blue for negative, red for positive values."""
-    return axes.scatter(u, v, c=values, s=14.0, cmap="RdBu_r", vmin=-limit, vmax=limit, edgecolors="#8a8f98",
+    axes.locator_params(nbins=4)
+    axes.scatter(u, v, c=values, s=14.0, cmap="RdBu_r", vmin=-limit, vmax=limit, edgecolors="#8a8f98",
                         linewidths=0.25, rasterized=u.size > MANY)  # fmt: skip
 
 

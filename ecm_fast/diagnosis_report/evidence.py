@@ -101,9 +101,10 @@ def cosine_matrix(found: Plan) -> Picture:
     order = sorted(kept, key=lambda i: families.index(CATALOGUE[found.names[i]].family))
     names = [found.names[i] for i in order]
     values = found.cosines[np.ix_(order, order)]
-    with canvas(7.2, 7.4) as figure:
-        axes = figure.subplots()
-        drawn = axes.imshow(values, cmap="RdBu_r", vmin=-1.0, vmax=1.0, interpolation="nearest")
+    with canvas(7.2, 6.6) as figure:
+        figure.set_layout_engine("none")
+        axes = figure.add_axes((0.2, 0.2, 0.72, 0.78))
+        axes.imshow(values, cmap="RdBu_r", vmin=-1.0, vmax=1.0, interpolation="nearest")
         axes.set_xticks([])
         axes.set_yticks([])
         for place, name in enumerate(names):  # as ticks they would take longer than the rest of the page
@@ -115,14 +116,15 @@ def cosine_matrix(found: Plan) -> Picture:
                 for line in (axes.axhline, axes.axvline):
                     line(place - 0.5, color="black", linewidth=0.4)
             last = CATALOGUE[name].family
-        figure.colorbar(drawn, ax=axes, shrink=0.5)
     first, second = np.meshgrid(range(len(names)), range(len(names)), indexing="ij")
     columns = {
         "first": np.array(names)[first.ravel()],
         "second": np.array(names)[second.ravel()],
         "cosine": values.ravel(),
     }
-    caption = "How alike effects look in these very poses, once EA, GA and EI are refitted: red or blue alike, "
+    caption = (
+        "How alike effects look in these very poses, once EA, GA and EI are refitted: deep red or deep blue alike, "
+    )
     return Picture("cosines", f"{caption}white nothing in common. Lines part families.", figure, columns)
 
 

@@ -18,11 +18,15 @@ Array = NDArray[np.float64]
 _TIMES = 20.0
 _NECKS = 5
 _NEAR = 0.04
+_LEAST = 1.0
+"""[N], tendons that change less are off."""
 
 
-def workspace(story: Story) -> Picture:
-    """Measured tip positions with the error times 20, before and after."""
+def workspace(story: Story) -> Picture | None:
+    """Measured tip positions with the error times 20, before and after; None where x or z was not measured."""
     rows, found = story.whole, story.found.rows
+    if not rows.any() or not {0, 1} <= set(story.channels):
+        return None
     x, z = 1e3 * story.pose[rows, 0], 1e3 * story.pose[rows, 1]
     with canvas(7.2, 3.3) as figure:
         grid = figure.subplots(1, 2, sharex=True, sharey=True)
@@ -49,21 +53,23 @@ def workspace(story: Story) -> Picture:
     return Picture("workspace", caption, figure, columns)
 
 
-def residual_maps(story: Story) -> Picture:
-    """Residuals over sum and difference of the tendon forces, before and after on one scale."""
+def residual_maps(story: Story) -> Picture | None:
+    """Residuals over sum and difference of the tendon forces, before and after on one scale; None without tendons."""
     rows, found = story.whole, story.found.rows
+    if not rows.any() or np.ptp(story.lam[rows], axis=0).max() < _LEAST:
+        return None
     total, difference = story.lam[rows].sum(axis=1), story.lam[rows, 0] - story.lam[rows, 1]
     with canvas(7.2, 4.4) as figure:
-        grid = figure.subplots(2, 3, sharex=True, sharey=True)
-        for i, (name, unit, scale) in enumerate(CHANNELS):
-            values = [scale * off[rows, i] for off in (found.before, found.after)]
+        grid = figure.subplots(2, len(story.channels), sharex=True, sharey=True, squeeze=False)
+        for i, channel in enumerate(story.channels):
+            name, unit, scale = CHANNELS[channel]
+            values = [scale * off[rows, channel] for off in (found.before, found.after)]
             limit = float(np.quantile(np.abs(values[0]), 0.98)) or 1.0
             for axes, value in zip(grid[:, i], values, strict=True):
-                dots = map_points(axes, total, difference, value, limit)
+                map_points(axes, total, difference, value, limit)
                 axes.grid(True)
-            grid[0, i].set_title(f"{name} [{unit}]")
+            grid[0, i].set_title(f"{name}, ±{limit:.2g} {unit}")
             grid[1, i].set_xlabel("λl + λr [N]")
-            figure.colorbar(dots, ax=grid[:, i], location="bottom", shrink=0.8)
         grid[0, 0].set_ylabel("before\nλl − λr [N]")  # noqa: RUF001  a true minus sign
         grid[1, 0].set_ylabel("after\nλl − λr [N]")  # noqa: RUF001
     columns = {
@@ -72,7 +78,8 @@ def residual_maps(story: Story) -> Picture:
            for i, name in enumerate(("x_m", "z_m", "theta_rad"))},
     }  # fmt: skip
     caption = "What is left, measured less simulated, over sum and difference of the tendon forces; each channel has "
-    return Picture("residual_maps", f"{caption}one color scale for before and after.", figure, columns)
+    caption += "one color scale for before and after, its ends above it: deep red measured more, deep blue less."
+    return Picture("residual_maps", caption, figure, columns)
 
 
 def parity_split(story: Story) -> Picture | None:
@@ -92,23 +99,24 @@ def parity_split(story: Story) -> Picture | None:
     even, odd = 0.5 * (off[i] + sign * off[j]), 0.5 * (off[i] - sign * off[j])
     total, difference = loads[i, 0] + loads[i, 1], np.abs(loads[i, 0] - loads[i, 1])
     with canvas(7.2, 4.2) as figure:
-        grid = figure.subplots(2, 3, sharex=True, sharey=True)
-        for channel, (name, unit, scale) in enumerate(CHANNELS):
+        grid = figure.subplots(2, len(story.channels), sharex=True, sharey=True, squeeze=False)
+        for column, channel in enumerate(story.channels):
+            name, unit, scale = CHANNELS[channel]
             both = [scale * part[:, channel] for part in (even, odd)]
             limit = float(max(np.abs(part).max(initial=0.0) for part in both)) or 1.0
-            for axes, value in zip(grid[:, channel], both, strict=True):
-                dots = map_points(axes, total, difference, value, limit)
+            for axes, value in zip(grid[:, column], both, strict=True):
+                map_points(axes, total, difference, value, limit)
                 axes.grid(True)
-            grid[0, channel].set_title(f"{name} [{unit}]")
-            grid[1, channel].set_xlabel("λl + λr [N]")
-            figure.colorbar(dots, ax=grid[:, channel], location="bottom", shrink=0.8)
+            grid[0, column].set_title(f"{name}, ±{limit:.2g} {unit}")
+            grid[1, column].set_xlabel("λl + λr [N]")
         grid[0, 0].set_ylabel("alike on both sides\n|λl − λr| [N]")  # noqa: RUF001
         grid[1, 0].set_ylabel("left and right differ\n|λl − λr| [N]")  # noqa: RUF001
     columns = {"lam_sum_N": total, "lam_difference_N": difference}
     for word, part in (("even", even), ("odd", odd)):
         columns |= {f"{name}_{word}": part[:, k] for k, name in enumerate(("x_m", "z_m", "theta_rad"))}
     caption = f"The gap before, from {len(pairs)} pairs of mirrored loads: the part that is the same in the mirror "
-    return Picture("parity", f"{caption}image, and the part that is not.", figure, columns)
+    caption += "image, and the part that is not. Deep red and blue: the ends of the scale above."
+    return Picture("parity", caption, figure, columns)
 
 
 def loops(story: Story) -> Picture | None:
@@ -116,7 +124,7 @@ def loops(story: Story) -> Picture | None:
     rows, found = story.whole, story.found.rows
     side = np.concatenate([approach(part) for part in story.data])
     rows = rows & (side != 0)
-    if not rows.any():
+    if not rows.any() or 2 not in story.channels:
         return None
     with canvas(7.2, 2.8) as figure:
         grid = figure.subplots(1, 2, sharey=True)

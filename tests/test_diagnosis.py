@@ -1,0 +1,140 @@
+"""The whole diagnosis: effects hidden by the test bed, named by the model, proven on rows that nothing has seen."""
+
+import json
+
+import numpy as np
+import pytest
+
+from ecm_fast import Mechanism, diagnose, plan, predict, read_measurements
+from ecm_fast.cli import main
+from ecm_fast.effects import CATALOGUE
+from ecm_fast.errors import InputError
+from ecm_fast.testbed import Sensors, equilibria, measure, readings, shear_test, tendon_test
+
+NECK = Mechanism()
+LOADS = tendon_test(grid=9, seed=2)
+MADE = NECK.replace(EA=7600.0, GA=2400.0, EI=2.95)
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return equilibria(MADE, LOADS).raise_if_failed()
+
+
+@pytest.fixture(scope="module")
+def bent():
+    return measure(MADE.replace(precurvature=0.12), LOADS, seed=3)
+
+
+def test_a_hidden_precurvature_is_named_measured_and_proven(bent):
+    found = diagnose(NECK, bent)
+    assert (found.verdict, found.names) == ("named", ("precurvature",))
+    low, high = found.effects[0].interval["precurvature"]
+    assert low < 0.12 < high
+    assert high - low < 0.006
+    assert found.gap.before.sigma > 8.0
+    assert 0.8 < found.gap.after.sigma < 1.25
+    assert found.gap.closed > 0.99
+    assert found.mechanism.effects["precurvature"] == found.effects[0].parameters["precurvature"]
+    for name, truth in {"EA": 7600.0, "GA": 2400.0, "EI": 2.95}.items():
+        assert abs(found.calibration[name].value - truth) < 4.0 * found.calibration[name].std
+
+
+def test_clean_data_get_no_name_and_the_table_of_what_would_have_shown(clean):
+    alarms = [diagnose(NECK, readings(MADE, clean, seed=i), seed=i).verdict != "nothing_found" for i in range(10)]
+    assert sum(alarms) <= 1  # 1 % asked: two of ten would come once in 240
+    found = diagnose(NECK, readings(MADE, clean, seed=99))
+    assert found.effects == ()
+    assert {sight.name for sight in found.sights} == set(CATALOGUE)
+    seen = {sight.name: sight.smallest for sight in found.sights}
+    assert seen["precurvature"] < 0.02
+
+
+def test_an_effect_as_small_as_promised_is_found_nine_times_in_ten():
+    smallest = next(s.smallest for s in plan(NECK, LOADS).sights if s.name == "clamp_tilt")
+    made = equilibria(MADE.replace(clamp_tilt=1.3 * smallest), LOADS)
+    count = sum(
+        diagnose(NECK, readings(MADE.replace(clamp_tilt=1.3 * smallest), made, seed=i), seed=i).verdict
+        != "nothing_found"
+        for i in range(12)
+    )
+    assert count >= 9  # of 12, nine in ten or more: fewer would come once in 40
+
+
+def test_look_alikes_come_with_every_name():
+    data = measure(MADE.replace(gravity_tilt=0.03), LOADS, seed=4)
+    claim = diagnose(NECK, data).effects[0]
+    assert "gravity_tilt" in {claim.name, *claim.look_alikes}
+    assert claim.look_alikes  # two or more constant pulls differ by less than the noise here
+
+
+def test_outliers_are_named_by_row_and_do_no_harm(clean):
+    data = readings(MADE, clean, Sensors(outlier_share=0.03), seed=11)
+    off = np.abs(data.pose - readings(MADE, clean, seed=11).pose).max(axis=1) > 3e-4
+    found = diagnose(NECK, data)
+    assert found.verdict == "nothing_found"
+    assert {place for place, reason in found.outliers if reason == "outlier"} == {
+        data.where(int(i)) for i in np.flatnonzero(off)
+    }
+
+
+def test_what_is_declared_uncertain_is_never_named():
+    data = measure(MADE, LOADS, Sensors(camera_rotation=0.01, camera_offset=(3e-4, -5e-4, 0.0)), seed=5)
+    assert diagnose(NECK, data).verdict != "nothing_found"
+    found = diagnose(NECK, data, uncertain={"camera_frame": None})
+    assert found.verdict == "nothing_found"
+    assert abs(found.calibration["camera_rotation"].value - 0.01) < 4.0 * found.calibration["camera_rotation"].std
+
+
+def test_material_tests_raise_an_alarm_where_calibration_leaves_them(clean):
+    data = readings(MADE, clean, seed=6)
+    assert not diagnose(NECK, data, priors={"EI": (2.95, 0.01)}).alarms
+    assert "EI" in diagnose(NECK, data, priors={"EI": (3.2, 0.01)}, max_effects=0).alarms[0]
+
+
+def test_a_plan_needs_no_poses_and_mirror_classes_do_not_mix():
+    found = plan(NECK, LOADS)
+    place = {name: i for i, name in enumerate(found.names)}
+    even = [place[name] for name in found.names if CATALOGUE[name].mirror == "even"]
+    odd = [place[name] for name in found.names if CATALOGUE[name].mirror == "odd"]
+    locked = plan(NECK, tendon_test(grid=3)).cosines  # too few to lock any: the grid is its own mirror image
+    assert np.abs(locked[np.ix_(even, odd)]).max() < 1e-5
+    assert np.abs(found.cosines).max() < 1.0 + 1e-9
+    assert "mooney_rivlin" in found.of("invisible")
+    assert {"bending_one_sided", "marker_lever_z"} <= set(found.of("named"))
+    assert "force_gain" in found.of("absorbed")
+
+
+def test_the_road_by_command_line(tmp_path, capsys, bent):
+    bent.to_csv(tmp_path / "run.csv")
+    fresh = measure(MADE.replace(precurvature=0.12), shear_test(np.linspace(-60.0, 60.0, 31)), seed=8)
+    fresh.to_csv(tmp_path / "fresh.csv")
+    command = ["diagnose", str(tmp_path / "run.csv"), "--test", str(tmp_path / "fresh.csv"), "--out", str(tmp_path)]
+    assert main([*command, "--json", "--exit-code"]) == 10
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["effects"][0]["name"] == "precurvature"
+    assert answer["gap"]["after"]["rms_sigma"] < 1.25 < answer["gap"]["before"]["rms_sigma"]
+    assert answer["transfer"][0]["rows"] == 31
+    written = Mechanism.from_toml(answer["mechanism"])
+    rms = predict(written, read_measurements(tmp_path / "fresh.csv")).rms
+    assert rms["z_m"] < 1.4e-4
+    assert rms["theta_rad"] < 1.4e-3
+    assert main(["plan", str(tmp_path / "fresh.csv"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["rows"] == 31
+
+
+def test_hostile_questions_are_answered_in_one_line(bent):
+    for options, text in (
+        ({"candidates": ["precurvatur"]}, "did you mean 'precurvature'"),
+        ({"uncertain": {"lever_am": 1e-3}}, "lever_am"),
+        ({"uncertain": {"lever_arm": -1e-3}}, "allowed is a number > 0"),
+        ({"priors": {"GA": (2400.0, 0.0)}}, "allowed is a number > 0"),
+        ({"priors": {"length": (0.1, 0.01)}}, "declare it uncertain too"),
+        ({"alpha": 0.0}, "alpha = 0.0"),
+        ({"max_effects": 5}, "max_effects = 5"),
+        ({"force_sigma": -1.0}, "force_sigma"),
+    ):
+        with pytest.raises(InputError, match=text):
+            diagnose(NECK, bent, **options)
+    with pytest.raises(InputError, match="at least 3"):
+        diagnose(NECK, bent.select([0, 1]))

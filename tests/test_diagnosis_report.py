@@ -1,0 +1,120 @@
+"""The page of a diagnosis and the commands around it, on data with a hidden taper whose look-alikes are known."""
+
+import csv
+import json
+import re
+
+import numpy as np
+import pytest
+
+pytest.importorskip("matplotlib")
+pytest.importorskip("jinja2")
+
+from ecm_fast.cli import main
+from ecm_fast.mechanism import Mechanism
+from ecm_fast.testbed import Sensors, measure, tendon_test
+
+PICTURES = {"gap", "workspace", "residual_maps", "parity", "loops", "wrenches", "evidence", "cosines", "parameters",
+            "left_over", "stiffness"}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """Return the folder of a diagnosis by the command line, which also prints its JSON."""
+    folder = tmp_path_factory.mktemp("diagnosis")
+    hidden = Mechanism().replace(stiffness_taper=0.08)
+    loads = tendon_test(grid=6, replicated=12, replicates=3, seed=3)
+    measure(hidden, loads, Sensors(force_sigma=0.1), 1).to_csv(folder / "run.csv")
+    assert main(["diagnose", str(folder / "run.csv"), "--out", str(folder / "out")]) == 0
+    return folder / "out"
+
+
+def table(path):
+    with path.open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_the_page_asks_nobody_and_holds_every_picture(done) -> None:
+    text = (done / "diagnosis.html").read_text(encoding="utf-8")
+    linked = set(re.findall(r'href="(\w+)\.csv"', text))
+    assert linked >= PICTURES
+    assert text.count("<svg ") == len(linked)
+    assert "<script" not in text
+    assert "://" not in text
+    ids = re.findall(r' id="([^"]+)"', text)
+    assert len(ids) == len(set(ids))
+
+
+def test_the_first_page_says_verdict_gap_set_and_next(done) -> None:
+    text = (done / "diagnosis.html").read_text(encoding="utf-8")
+    result = json.loads((done / "diagnose.json").read_text(encoding="utf-8"))
+    first = text[: text.index("<h2>")]
+    assert result["sentence"] in first
+    assert "stiffness_taper" in first
+    assert "Not distinguishable from" in first
+    assert "Measure next" in first
+    assert "locked rows, before" in first
+
+
+def test_numbers_beside_the_pictures_are_those_of_the_rows(done) -> None:
+    rows = table(done / "residual_maps.csv")
+    source = {row["row"]: row for row in rows}
+    measured = table(done.parent / "run.csv")
+    assert set(source) <= {str(number) for number in range(2, len(measured) + 2)}
+    for number, row in source.items():
+        assert float(row["lam_l_N"]) == float(measured[int(number) - 2]["lam_l_N"])
+    before, after = (np.sqrt(np.mean([float(row[f"z_m_{when}"]) ** 2 for row in rows])) for when in ("before", "after"))
+    assert after < before
+    assert after == pytest.approx(1e-4, rel=0.3)  # the camera's noise, 48 rows
+
+
+def test_mirror_pairs_put_a_taper_on_the_even_side(done) -> None:
+    rows = table(done / "parity.csv")
+    even, odd = (sum(float(row[f"z_m_{word}"]) ** 2 for row in rows) for word in ("even", "odd"))
+    assert even > 2.0 * odd
+
+
+def test_cosines_are_those_of_patterns(done) -> None:
+    cosine = {(row["first"], row["second"]): float(row["cosine"]) for row in table(done / "cosines.csv")}
+    names = {first for first, _ in cosine}
+    assert all(cosine[name, name] == pytest.approx(1.0) for name in names)
+    assert abs(cosine["stiffness_taper", "clamp_rotation_compliance"]) > 0.95  # they are known look-alikes
+    assert abs(cosine["stiffness_taper", "precurvature"]) < 0.3  # even and odd
+
+
+def test_the_next_loads_go_on_from_the_result(done, capsys) -> None:
+    words = ["next", str(done / "diagnose.json"), "--minutes", "4"]
+    assert main([*words, "--add-ons", "nothing", "wrench", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert {"stiffness_taper", "clamp_rotation_compliance"} <= set(answer["set"])
+    assert answer["minutes"] <= 4.0
+    assert answer["sigma_after"] >= answer["sigma_before"]
+    assert all(entry["mount"] in ("nothing", "wrench") for entry in answer["next"])
+    assert main(words) == 0
+    assert "to tell apart" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["next", "none.json"], "none.json: cannot be read"),
+        (["next", "{file}", "--add-ons", "masss"], "did you mean 'mass'"),
+        (["next", "{file}", "--minutes", "0"], "minutes = 0"),
+    ],
+)
+def test_wrong_words_are_told(done, capsys, words, said) -> None:
+    assert main([word.format(file=done / "diagnose.json") for word in words]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_another_json_is_told(done, capsys, tmp_path) -> None:
+    (tmp_path / "other.json").write_text("{}")
+    assert main(["next", str(tmp_path / "other.json")]) == 2
+    assert "has no 'inputs'" in capsys.readouterr().err
+
+
+def test_a_wrong_unit_stops_the_command(done, capsys, tmp_path) -> None:
+    text = (done.parent / "run.csv").read_text(encoding="utf-8")
+    (tmp_path / "run.csv").write_text(text.replace(",x_m,", ",x_mm,"), encoding="utf-8")
+    assert main(["diagnose", str(tmp_path / "run.csv"), "--out", str(tmp_path)]) == 2
+    assert "label it x_m" in capsys.readouterr().err

@@ -1,0 +1,193 @@
+"""Statistics of the diagnosis against textbook formulas, brute force and Monte Carlo."""
+
+import numpy as np
+import pytest
+from scipy import integrate, stats
+
+from ecm_fast.data import Measurements
+from ecm_fast.diagnosis.cleaning import Chain, clean, orthonormal, removal
+from ecm_fast.diagnosis.gates import effects_gate, null_quantile, smooth_gate
+from ecm_fast.diagnosis.linear import Gram, one_sided_factor
+from ecm_fast.diagnosis.lock import lock
+from ecm_fast.diagnosis.priors import Priors
+
+ALL = np.zeros(3, dtype=bool)
+
+
+@pytest.fixture
+def system():
+    rng = np.random.default_rng(1)
+    nuisances, signatures = rng.standard_normal((40, 3)), rng.standard_normal((40, 6))
+    residual = rng.standard_normal(40) + 2.0 * signatures[:, 1] + nuisances @ [5.0, -3.0, 1.0]
+    return residual, nuisances, signatures
+
+
+def evidence(residual, nuisances, signatures):
+    """Return twice the log density ratio of what is orthogonal to the nuisances, with and without the effects."""
+    rest = np.linalg.svd(nuisances)[0][:, nuisances.shape[1] :].T
+    r, s = rest @ residual, rest @ signatures
+    null = np.eye(len(r))
+    return 2.0 * (
+        stats.multivariate_normal(cov=null + s @ s.T).logpdf(r) - stats.multivariate_normal(cov=null).logpdf(r)
+    )
+
+
+def test_evidence_of_every_effect_and_pair_is_that_of_the_normal_densities(system):
+    residual, nuisances, signatures = system
+    gram = Gram.of(residual, nuisances, signatures, np.zeros(6, dtype=bool), np.zeros(6))
+    singles, _ = gram.singles()
+    np.testing.assert_allclose(
+        singles, [evidence(residual, nuisances, signatures[:, [i]]) for i in range(6)], rtol=1e-9
+    )
+    pairs = gram.pairs()
+    brute = [
+        evidence(residual, nuisances, signatures[:, [i, j]]) for i, j in zip(pairs.first, pairs.second, strict=True)
+    ]
+    np.testing.assert_allclose(pairs.evidence, brute, rtol=1e-9)
+    assert len(brute) == 15
+
+
+def test_an_effect_made_free_leaves_what_least_squares_leaves(system):
+    residual, nuisances, signatures = system
+    gram = Gram.of(residual, nuisances, signatures, np.zeros(6, dtype=bool), np.zeros(6)).without(np.array([1, 4]))
+    both = np.hstack([nuisances, signatures[:, [1, 4]]])
+    left = residual - both @ np.linalg.lstsq(both, residual, rcond=None)[0]
+    assert gram.left == pytest.approx(left @ left, rel=1e-9)
+    for i in (0, 2, 3, 5):
+        column = signatures[:, i] - both @ np.linalg.lstsq(both, signatures[:, i], rcond=None)[0]
+        assert gram.scores()[i] == pytest.approx(column @ left / np.linalg.norm(column), rel=1e-7)
+
+
+@pytest.mark.parametrize("mean", [-2.0, -0.3, 0.0, 1.5])
+def test_a_size_that_can_only_be_positive_has_the_evidence_of_half_a_prior(mean):
+    def integral(lower, height):
+        def density(c):
+            return height * stats.norm.pdf(c) * np.exp(-0.5 * 9.0 * (c - mean) ** 2)
+
+        return integrate.quad(density, lower, 12.0, points=[max(mean, lower)], epsabs=1e-14)[0]
+
+    ratio = integral(0.0, 2.0) / integral(-12.0, 1.0)
+    sigmas = 0.9 * mean * np.sqrt(10.0)
+    assert one_sided_factor(np.array([sigmas]), np.array([True]))[0] == pytest.approx(2.0 * np.log(ratio), abs=1e-7)
+    assert one_sided_factor(np.array([sigmas]), np.array([False]))[0] == 0.0
+
+
+def test_the_largest_score_exceeds_its_quantile_as_often_as_was_asked_for():
+    rng = np.random.default_rng(2)
+    signatures = rng.standard_normal((60, 4)) @ rng.standard_normal((4, 30))  # far more effects than directions
+    nuisances, alpha, n = rng.standard_normal((60, 3)), 0.05, 2000
+    one_sided = np.arange(30) % 3 == 0
+    quantile, alarms = None, 0
+    for _ in range(n):
+        noise = rng.standard_normal(60)
+        gram = Gram.of(noise, nuisances, signatures, one_sided, np.zeros(30))
+        quantile = null_quantile(gram, np.inf, alpha, 0) if quantile is None else quantile
+        scores = gram.scores()
+        alarms += np.where(one_sided, scores, np.abs(scores)).max() > quantile
+    assert abs(alarms - alpha * n) < 4.0 * np.sqrt(n * alpha * (1.0 - alpha))
+
+
+def test_the_gates_say_how_rare_their_statistic_is():
+    rng = np.random.default_rng(3)
+    signature = rng.standard_normal((50, 1))
+    gram = Gram.of(rng.standard_normal(50), np.ones((50, 1)), 9.0 * signature, np.array([False]), np.zeros(1))
+    gate = effects_gate(gram, 20.0, 0, 0.01, 0)
+    exact = 2.0 * stats.t.sf(gate.statistic, 20.0)
+    assert gate.p == pytest.approx(exact, abs=4.0 * np.sqrt(exact / 10_000) + 1e-3)
+    nuisances, smooth, residual = rng.standard_normal((50, 3)), rng.standard_normal((50, 5)), rng.standard_normal(50)
+    found = smooth_gate(residual, nuisances, smooth, 37.0, 0, 0.01)
+    left = [
+        np.sum((residual - m @ np.linalg.lstsq(m, residual, rcond=None)[0]) ** 2)
+        for m in (nuisances, np.hstack([nuisances, smooth]))
+    ]
+    assert found.statistic == pytest.approx((left[0] - left[1]) / 5, rel=1e-9)
+    assert found.p == pytest.approx(stats.f.sf(found.statistic, 5, 37.0), rel=1e-9)
+
+
+def test_innovations_of_fading_noise_with_missing_rows_are_independent():
+    rows = np.array([0, 1, 2, 5, 6, 9, 10, 11])
+    chain = Chain.of(np.array([0] * 7 + [1] * 5), rows)
+    covariance = 0.6 ** np.abs(rows[:, None] - rows)
+    covariance[:5, 5:] = covariance[5:, :5] = 0.0
+    turned = chain.innovations(chain.innovations(covariance, 0.6).T.copy(), 0.6)
+    np.testing.assert_allclose(turned, np.eye(8), atol=1e-14)
+
+
+def noise_of(rng, n, memory=0.0):
+    noise = rng.standard_normal((n, 3))
+    for i in range(1, n):
+        noise[i] = memory * noise[i - 1] + np.sqrt(1.0 - memory**2) * noise[i]
+    return noise
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.3])
+def test_scale_and_memory_of_the_noise_are_found_beside_many_free_columns(memory):
+    rng = np.random.default_rng(4)
+    n, sets = 80, 60
+    chain, found = Chain.of(np.zeros(n, dtype=np.int64), np.arange(n)), []
+    for _ in range(sets):
+        basis = rng.standard_normal((n, 3, 40))
+        noise = noise_of(rng, n, memory) + basis @ rng.standard_normal(40)
+        found.append(clean(noise, np.ones((n, 3), dtype=bool), basis, chain, ALL))
+    scale = np.mean([entry.scale for entry in found], axis=0)
+    np.testing.assert_allclose(scale, 1.0, atol=0.04)
+    lag = np.array([entry.memory for entry in found])
+    assert abs(lag.mean() - memory) < (0.06 if memory == 0.0 else 0.05)
+    assert not any(entry.outlier.any() for entry in found)
+
+
+def test_an_outlier_is_found_also_where_it_draws_the_fit_to_itself():
+    rng = np.random.default_rng(5)
+    n = 60
+    basis = rng.standard_normal((n, 3, 20))
+    basis[7] *= 5.0  # 90 % of what is measured there is fitted there
+    noise = noise_of(rng, n)
+    noise[7] += 30.0
+    found = clean(noise, np.ones((n, 3), dtype=bool), basis, Chain.of(np.zeros(n, dtype=np.int64), np.arange(n)), ALL)
+    assert np.flatnonzero(found.outlier).tolist() == [7]
+    assert np.all(found.residual[7] == 0.0)
+
+
+def test_what_a_row_s_removal_takes_off_is_what_a_fit_without_it_takes_off():
+    rng = np.random.default_rng(6)
+    columns, residual = rng.standard_normal((30, 4)), rng.standard_normal((10, 3))
+
+    def left(rows):
+        keep = np.repeat(rows, 3)
+        off = (
+            residual.ravel()[keep]
+            - columns[keep] @ np.linalg.lstsq(columns[keep], residual.ravel()[keep], rcond=None)[0]
+        )
+        return off @ off
+
+    every = np.ones(10, dtype=bool)
+    brute = [left(every) - left(np.arange(10) != i) for i in range(10)]
+    np.testing.assert_allclose(removal(residual, orthonormal(columns)), brute, rtol=5e-3)
+
+
+def test_heavy_tails_are_seen_and_cost_less_than_their_variance():
+    rng = np.random.default_rng(7)
+    n = 400
+    basis, chain = rng.standard_normal((n, 3, 10)), Chain.of(np.zeros(n, dtype=np.int64), np.arange(n))
+    noise = rng.standard_t(3.0, (n, 3)) / np.sqrt(3.0)
+    found = clean(noise, np.ones((n, 3), dtype=bool), basis, chain, ALL)
+    assert found.tail >= 0.2
+    assert np.all(found.scale < 0.85)  # the bound of Cramer and Rao is (1/2)^1/2
+
+
+def test_the_lock_takes_a_quarter_of_the_loads_with_all_their_repeats():
+    load = np.random.default_rng(8).permutation(np.repeat(np.arange(40), 3))
+    columns = {"lam_l_N": 4.0 * load, "lam_r_N": 160.0 - 4.0 * load, "pose_id": [f"p{i}" for i in load]}
+    data = Measurements.from_columns({**columns, "x_m": 0.1 + 0.0 * load})
+    locked = lock([data], 3)
+    assert locked.sum() == 30
+    assert all(locked[load == i].all() or not locked[load == i].any() for i in range(40))
+    assert not np.array_equal(locked, lock([data], 4))
+    assert not lock([data.select(np.arange(12))], 0).any()
+
+
+def test_priors_are_in_standard_deviations_with_their_derivatives():
+    prior = Priors(np.array([3.0, 2.0, 7.0]), np.array([0.5, 0.1, np.inf]), np.array([True, False, False]))
+    off, slope = prior.rows(np.array([6.0, 2.2, 1.0]))
+    np.testing.assert_allclose(off, [np.log(2.0) / 0.5, 2.0])
+    np.testing.assert_allclose(slope, [[1.0 / 3.0, 0.0, 0.0], [0.0, 10.0, 0.0]])
