@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .element_study import Choice, ElementStudy, choose_discretization, study_elements
     from .equilibrium import BatchResult, Equilibrium, Status
     from .errors import EcmError, InputError, NotConverged, OutOfRangeWarning, OutOfReach
+    from .hiding import hide
     from .identification import identify
     from .identification_result import Estimate, Identification, Profile
     from .material_tests import CompressionFit, fit_compression, fit_shear
@@ -30,7 +31,9 @@ if TYPE_CHECKING:
     from .polynomial import ForwardPolynomial, PolynomialModel
     from .prediction import Prediction, predict
     from .quantity import Quantity
+    from .scoring import Score, score
     from .training import TrainingSet, WrenchErrors, relative_errors, tip_wrenches, training_poses, training_rows
+    from .truth import Truth
     from .warm import Warmup, warmup
 
 _HOME = {
@@ -38,11 +41,13 @@ _HOME = {
     "diagnosis": ("Diagnosis", "Plan", "Study", "diagnose", "plan"),
     "discretization": ("Discretization",),
     "effects": ("CATALOGUE", "Effect"),
+    "user_effects": ("effect", "remove_effect"),
     "element_candidates": ("Candidate",),
     "element_errors": ("LoadSet",),
     "element_study": ("Choice", "ElementStudy", "choose_discretization", "study_elements"),
     "equilibrium": ("BatchResult", "Equilibrium", "Status"),
     "errors": ("EcmError", "InputError", "NotConverged", "OutOfRangeWarning", "OutOfReach"),
+    "hiding": ("hide",),
     "identification": ("identify",),
     "identification_result": ("Estimate", "Identification", "Profile"),
     "material_tests": ("CompressionFit", "fit_compression", "fit_shear"),
@@ -52,6 +57,7 @@ _HOME = {
     "polynomial": ("ForwardPolynomial", "PolynomialModel"),
     "prediction": ("Prediction", "predict"),
     "quantity": ("Quantity",),
+    "scoring": ("Score", "score"),
     "training": (
         "TrainingSet",
         "WrenchErrors",
@@ -60,6 +66,7 @@ _HOME = {
         "training_poses",
         "training_rows",
     ),
+    "truth": ("Truth",),
     "warm": ("Warmup", "warmup"),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}

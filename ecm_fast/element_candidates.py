@@ -1,21 +1,21 @@
 """Ways to divide a beam into elements: families, orders, Gauss points, meshes even, graded or ending at jumps.
 
-To let the study compare a further family, give it a line in `_KINDS`.
+To let the study compare a further family, give it a line in `_KINDS` and a word in `Candidate.kind`.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from .errors import InputError, shown
+from .families import FAMILIES, find_family
 from .mechanism import Mechanism
 from .model import FiniteElementModel
 
 __all__ = ["Candidate", "candidates", "ending_at_jumps", "graded", "stiffness_jumps"]
 
-_ORDERS = ("", "linear", "quadratic", "cubic", "quartic", "quintic", "sextic")
+_ORDERS = ("constant", "linear", "quadratic", "cubic", "quartic", "quintic", "sextic")
 _NUMBERS = ("no", "one", "two", "three", "four")
 _MANY = (1, 2, 5, 10, 20, 40, 80, 160, 320)
 _FEW = (1, 2, 3, 4, 6, 10)
@@ -29,9 +29,15 @@ _KINDS: tuple[tuple[str, int, int, tuple[int, ...]], ...] = (
     ("lagrange", 4, 4, _FEW),
     ("lagrange", 5, 5, _FEW),
     ("lagrange", 6, 6, _FEW),
+    ("se2", 1, 1, _MANY[:-1]),
+    ("strain", 2, 3, _FEW),
+    ("strain", 3, 4, _FEW),
+    ("strain", 4, 5, _FEW[:4]),
+    ("strain", 5, 6, _FEW[:2]),
 )
-_GRADED_ORDERS, _GRADED = (1, 3), (4, 10)
-_ALIGNED_ORDERS, _ALIGNED = (1, 2, 3, 4, 5), (1, 4, 8, 16)
+_GRADED_KINDS, _GRADED = (("lagrange", 1), ("lagrange", 3), ("se2", 1)), (4, 10)
+_ALIGNED_KINDS = (*(("lagrange", order) for order in range(1, 6)), ("se2", 1), ("strain", 2), ("strain", 3))
+_ALIGNED = (1, 4, 8, 16)
 
 
 @dataclass(frozen=True)
@@ -54,8 +60,8 @@ class Candidate:
 
     @classmethod
     def even(cls, elements: int, order: int, gauss: int | None = None, family: str = "lagrange") -> "Candidate":
-        """Return equal elements."""
-        return cls((1.0,) * elements, order, order if gauss is None else gauss, family=family)
+        """Return equal elements, with the family's own number of Gauss points unless told."""
+        return cls((1.0,) * elements, order, _points(order, family) if gauss is None else gauss, family=family)
 
     @property
     def elements(self) -> int:
@@ -65,9 +71,9 @@ class Candidate:
     @property
     def kind(self) -> str:
         """What candidates share that differ in the mesh alone."""
-        of_family = "" if self.family == "lagrange" else f"{self.family} "
-        points = "" if self.gauss == self.order else f", {self.gauss} Gauss points"
-        return f"{of_family}{_ORDERS[self.order]}{points}"
+        points = "" if self.gauss == _points(self.order, self.family) else f", {self.gauss} Gauss points"
+        words = {"lagrange": _ORDERS[self.order], "se2": "SE(2)", "strain": f"{_ORDERS[self.order - 1]}-strain"}
+        return f"{words[self.family]}{points}"
 
     @property
     def name(self) -> str:
@@ -79,22 +85,37 @@ class Candidate:
 
     def model(self, mechanism: Mechanism) -> FiniteElementModel:
         """Return the finite element model of a mechanism that is divided so."""
-        family: dict[str, Any] = {} if self.family == "lagrange" else {"family": self.family}
-        even = self.mesh == "even"
-        return FiniteElementModel(mechanism, self.elements if even else self.shares, self.order, self.gauss, **family)
+        elements = self.elements if self.mesh == "even" else self.shares
+        return FiniteElementModel(mechanism, elements, self.order, self.gauss, family=self.family)
 
 
-def candidates(mechanism: Mechanism) -> tuple[Candidate, ...]:
-    """Return what is worth comparing for a mechanism: even meshes of every kind, and meshes that suit it."""
-    found = [Candidate.even(count, order, gauss, family) for family, order, gauss, counts in _KINDS for count in counts]
+def _points(order: int, family: str) -> int:
+    return FAMILIES[family].points(order)
+
+
+def candidates(mechanism: Mechanism, family: str | None = None) -> tuple[Candidate, ...]:
+    """Return what is worth comparing for a mechanism: even meshes of every kind, and meshes that suit it.
+
+    family : the only one to compare; default all
+    """
+    only = None if family is None else find_family(family).name
+    found = [Candidate.even(count, order, gauss, name) for name, order, gauss, counts in _KINDS for count in counts]
     jumps = stiffness_jumps(mechanism)
     place = float(np.mean(jumps)) if jumps else 0.0
     to = "graded to the soft spot" if jumps else "graded to the clamp"
-    found += [Candidate(graded(n, place), order, order, to) for order in _GRADED_ORDERS for n in _GRADED]
+    found += [
+        Candidate(graded(n, place), order, _points(order, name), to, name)
+        for name, order in _GRADED_KINDS
+        for n in _GRADED
+    ]
     if jumps:
         meshes = dict.fromkeys(ending_at_jumps(mechanism, n) for n in _ALIGNED)
-        found += [Candidate(mesh, p, p, "ending at jumps") for p in _ALIGNED_ORDERS for mesh in meshes]
-    return tuple(found)
+        found += [
+            Candidate(mesh, order, _points(order, name), "ending at jumps", name)
+            for name, order in _ALIGNED_KINDS
+            for mesh in meshes
+        ]
+    return tuple(candidate for candidate in found if only in (None, candidate.family))
 
 
 def stiffness_jumps(mechanism: Mechanism) -> tuple[float, ...]:

@@ -1,6 +1,7 @@
 """Load cases, the converged solution over them, and what a discretization is off by."""
 
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
@@ -17,7 +18,7 @@ from .mechanism import Mechanism
 from .model import FiniteElementModel
 from .training import WRENCH_BOX
 
-__all__ = ["LARGEST_TENDON_FORCE", "ROUNDING", "Converged", "LoadSet", "converged", "error_maps", "errors"]
+__all__ = ["LARGEST_TENDON_FORCE", "ROUNDING", "Converged", "LoadSet", "converged", "error_maps", "errors", "short"]
 
 Array = NDArray[np.float64]
 LARGEST_TENDON_FORCE = 160.0
@@ -76,8 +77,8 @@ class LoadSet:
         return replace(self, lam=self.lam[which], wrench=self.wrench[which])
 
     def solve(self, model: FiniteElementModel) -> BatchResult:
-        """Solve all cases as exactly as Newton's method can."""
-        return model.solve_batch(self.lam, self.wrench, tolerance=_TOLERANCE)
+        """Solve all cases as exactly as Newton's method can, on all cores."""
+        return model.solve_batch(self.lam, self.wrench, tolerance=_TOLERANCE, threads=os.cpu_count() or 1)
 
     def __len__(self) -> int:
         return len(self.lam)
@@ -139,3 +140,9 @@ def error_maps(mechanism: Mechanism, chosen: Sequence[Candidate], side: int = 33
     known = converged(mechanism, LoadSet.of(np.stack(np.meshgrid(ends, ends, indexing="ij"), axis=-1).reshape(-1, 2)))
     maps = [errors(candidate.model(mechanism), known)[0] for candidate in chosen]
     return known.loads.lam, np.stack(maps, axis=1)
+
+
+def short(error: float) -> str:
+    """Return an error with one digit: 2e-7."""
+    digits, _, exponent = f"{error:.0e}".partition("e")
+    return f"{digits}e{int(exponent)}" if exponent else digits

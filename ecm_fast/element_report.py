@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .element_errors import LARGEST_TENDON_FORCE, error_maps
-from .element_study import ElementStudy, Measured, needed, short
+from .element_errors import LARGEST_TENDON_FORCE, error_maps, short
+from .element_study import ElementStudy, Measured
+from .element_words import ASKED, answer, by_kind, counts_needed
 from .files import csv_text, write_whole
 from .plots import COLORS, canvas
 from .report import Picture, Section, Table, write_report
@@ -23,10 +24,9 @@ if TYPE_CHECKING:
 __all__ = ["plot_elements", "plot_error_maps", "summary", "write_study"]
 
 Array = NDArray[np.float64]
-_ASKED = (1e-3, 1e-4, 1e-6)
 _LOADS = ("lam_l_N", "lam_r_N", "fx_N", "fz_N", "tau_Nm")
 _MESHES = {"even": "o", "graded to the clamp": "v", "graded to the soft spot": "v", "ending at jumps": "s"}
-_MAPS = ("one cubic element", "one quintic element", "20 linear elements")
+_MAPS = ("one cubic element", "one quintic element", "20 linear elements", "20 SE(2) elements")
 
 
 def write_study(study: ElementStudy, folder: Path) -> Path:
@@ -53,7 +53,11 @@ def write_study(study: ElementStudy, folder: Path) -> Path:
         ),
         _maps(study),
     )
-    sections = [Section("", _sentences(study), (_needed_table(study),), pictures), Section("", (), (_table(study),))]
+    sections = [
+        Section("", _sentences(study)),
+        Section("How far the number of elements can be reduced", answer(study), (_needed_table(study),), pictures),
+        Section("All that was compared", (), (_table(study),)),
+    ]
     return write_report(folder / "elements.html", "How few elements suffice", sections)
 
 
@@ -69,7 +73,10 @@ def summary(study: ElementStudy) -> dict[str, Any]:
         "sentence": study.sentence,
         "recommended": None if best is None else _row(best),
         "front": [row.candidate.name for row in study.front],
-        "needed": {kind: dict(zip(map(short, _ASKED), counts, strict=True)) for kind, counts in _needed(study)},
+        "needed": {
+            kind: dict(zip(map(short, ASKED), counts, strict=True)) for kind, counts in counts_needed(study).items()
+        },
+        "answer": answer(study),
         "candidates": [_row(row) for row in study.rows],
     }
 
@@ -100,25 +107,9 @@ def _columns(study: ElementStudy) -> dict[str, list[Any]]:
     return {**columns, "front": [int(row.candidate in front) for row in study.rows]}
 
 
-def _kinds(study: ElementStudy) -> dict[str, list[Measured]]:
-    kinds: dict[str, list[Measured]] = {}
-    for row in study.rows:
-        kinds.setdefault(row.candidate.kind, []).append(row)
-    return kinds
-
-
-def _needed(study: ElementStudy) -> list[tuple[str, list[int | None]]]:
-    """Return, for every kind, how many equal elements it takes for each of `_ASKED`."""
-    even = {
-        kind: [(row.candidate.elements, row.error) for row in rows if row.candidate.mesh == "even"]
-        for kind, rows in _kinds(study).items()
-    }
-    return [(kind, [needed(known, asked) for asked in _ASKED]) for kind, known in even.items()]
-
-
 def _needed_table(study: ElementStudy) -> Table:
-    rows = tuple((kind, *counts) for kind, counts in _needed(study))
-    head = ("elements", *(f"for {short(asked)}" for asked in _ASKED))
+    rows = tuple((kind, *counts) for kind, counts in counts_needed(study).items())
+    head = ("elements", *(f"for {short(asked)}" for asked in ASKED))
     return Table("How many equal elements it takes; a dash: more than were tried", head, rows)
 
 
@@ -156,9 +147,9 @@ def _table(study: ElementStudy) -> Table:
 
 def plot_elements(study: ElementStudy) -> Figure:
     """Draw errors against time and against unknowns, both axes logarithmic, with the Pareto front marked."""
-    with canvas(7.6, 4.2) as figure:
+    with canvas(7.6, 4.8) as figure:
         axes = figure.subplots(1, 2, sharey=True)
-        for i, (kind, rows) in enumerate(_kinds(study).items()):
+        for i, (kind, rows) in enumerate(by_kind(study).items()):
             for place, name in zip(axes, ("time", "unknowns"), strict=True):
                 _draw_kind(place, rows, name, kind, i)
         front = study.front
@@ -167,6 +158,9 @@ def plot_elements(study: ElementStudy) -> Figure:
         for place, label in zip(axes, ("time of one solve [µs]", "unknowns"), strict=True):
             place.set_xscale("log")
             place.set_yscale("log")
+            for axis in (place.xaxis, place.yaxis):  # plain digits: powers are set as formulas, which takes a second
+                axis.set_major_formatter("{x:g}")
+                axis.set_minor_formatter("")
             place.set_xlabel(label)
             place.axhline(study.tolerance, color="black", linewidth=0.8, linestyle=":")
             place.grid(True)
@@ -230,7 +224,7 @@ def plot_error_maps(lam: Array, maps: Array, names: list[str]) -> Figure:
             axes.set_aspect("equal")
             axes.set_xlabel("left tendon [N]")
             axes.set_ylabel("right tendon [N]")
-            figure.colorbar(dots, ax=axes)
+            figure.colorbar(dots, ax=axes, format="%g")
         for axes in panels[len(names) :]:
             axes.set_axis_off()
         return figure

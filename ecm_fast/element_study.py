@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .data import Measurements
 from .element_candidates import Candidate, candidates
-from .element_errors import ROUNDING, Converged, LoadSet, converged, errors
+from .element_errors import ROUNDING, Converged, LoadSet, converged, errors, short
 from .errors import InputError, NotConverged, shown
 from .mechanism import Mechanism
 from .model import FiniteElementModel
@@ -23,7 +23,6 @@ __all__ = [
     "needed",
     "pareto",
     "recommended",
-    "short",
     "study_elements",
 ]
 
@@ -59,7 +58,12 @@ class Measured:
     @property
     def sentence(self) -> str:
         """What it is, leaves and costs: "one quartic element: 2e-7, 0.6 us"."""
-        return f"{self.candidate.name}: {short(self.error)}, {self.time * 1e6:.2g} us"
+        return f"{self.candidate.name}: {short(self.error)}, {self.microseconds}"
+
+    @property
+    def microseconds(self) -> str:
+        """Its time with two digits: "0.6 us"."""
+        return f"{float(f'{self.time * 1e6:.2g}'):g} us"
 
     def __repr__(self) -> str:
         return f"Measured({self.sentence})"
@@ -133,6 +137,7 @@ def study_elements(
     tolerance: float = 1e-3,
     *,
     compared: Sequence[Candidate] | None = None,
+    family: str | None = None,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
 ) -> ElementStudy:
@@ -144,6 +149,7 @@ def study_elements(
     loads : "tendons" or "box", of which 300 are drawn, or load cases, see `LoadSet.of`
     tolerance : of the tip pose, in shares of the length and rad, for the recommendation
     compared : the candidates; default `candidates` of the mechanism
+    family : the only one of which the default candidates are, see `families`; default all
     seed : of the drawn loads
     progress : called with one line of text before every part
 
@@ -154,9 +160,10 @@ def study_elements(
     neck = Mechanism() if mechanism is None else mechanism
     if not 0.0 < tolerance < math.inf:
         raise InputError(f"tolerance = {shown(tolerance)}: allowed is a positive number")
+    chosen = compared or candidates(neck, family)
     cases = LoadSet.drawn(loads, _CASES, seed) if isinstance(loads, str) else LoadSet.of(loads)
     known = converged(neck, cases)
-    return ElementStudy(neck, _measure(neck, compared or candidates(neck), known, progress), known, tolerance)
+    return ElementStudy(neck, _measure(neck, chosen, known, progress), known, tolerance)
 
 
 def _measure(
@@ -187,12 +194,11 @@ def _measure(
 def _measured(
     candidate: Candidate, model: FiniteElementModel, both: tuple[Array, Array], loads: LoadSet, seconds: float
 ) -> Measured:
-    off, distance = both
-    worst = int(np.argmax(off))
+    (off, distance), worst = both, int(np.argmax(both[0]))
     where = (*loads.lam[worst].tolist(), *loads.wrench[worst].tolist())
-    unknowns = 3 * (model.discretization.nodes.size - 1)
     sizes = float(off[worst]), float(np.median(off)), float(distance.max())
-    return Measured(candidate, unknowns, *sizes, where, int(np.isinf(off).sum()), seconds)
+    failed, unknowns = int(np.isinf(off).sum()), 3 * (model.discretization.nodes.size - 1)
+    return Measured(candidate, unknowns, *sizes, where, failed, seconds)
 
 
 def _times(models: Sequence[FiniteElementModel], loads: LoadSet, guesses: Sequence[float]) -> list[float]:
@@ -246,13 +252,14 @@ def choose_discretization(
     tolerance: float = 1e-6,
     *,
     compared: Sequence[Candidate] | None = None,
+    family: str | None = None,
     seed: int = 0,
 ) -> Choice:
     """Return the cheapest model that keeps a tolerance of the tip pose, checked on loads it was not chosen on.
 
     Parameters
     ----------
-    mechanism, tolerance, compared, seed : as for `study_elements`
+    mechanism, tolerance, compared, family, seed : as for `study_elements`
     loads : "tendons" or "box", of which 300 are drawn to choose and 1000 to check; or load cases, half for each
 
     Raises
@@ -262,7 +269,7 @@ def choose_discretization(
     """
     neck = Mechanism() if mechanism is None else mechanism
     first, fresh = _two_sets(loads, np.random.default_rng(seed))
-    study = study_elements(neck, first, tolerance, compared=compared)
+    study = study_elements(neck, first, tolerance, compared=compared, family=family)
     check = converged(neck, fresh)
     doubt = max(study.known.error, check.error)
     if doubt > 0.1 * tolerance:
@@ -289,9 +296,3 @@ def _none_keeps(rows: Sequence[Measured], tolerance: float) -> str:
     best = min(rows, key=lambda row: row.error)
     return (f"tolerance = {tolerance:g}: no candidate keeps it; the best, {best.candidate.name}, leaves "
             f"{short(best.error)}; allow that or compare finer ones")  # fmt: skip
-
-
-def short(error: float) -> str:
-    """Return an error with one digit: 2e-7."""
-    digits, _, exponent = f"{error:.0e}".partition("e")
-    return f"{digits}e{int(exponent)}" if exponent else digits

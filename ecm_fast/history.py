@@ -24,6 +24,7 @@ Derivatives follow by the complex step through these laws; that dir, h and gap f
 parameter, is left out of them.
 """
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -36,25 +37,30 @@ from .kernels.history import follow, tendon_lengths
 from .parameters import PLACES as P
 from .parameters import index
 
-__all__ = ["ON_PATH", "History", "Record", "is_on_path"]
+__all__ = ["TARGETS", "USER_ROWS", "History", "Record", "Rows", "is_on_path", "on_path"]
 
 Array = NDArray[Any]
 
-ON_PATH = frozenset(entry.key for effect in CATALOGUE.values() if effect.enters == "path" for entry in effect)
-"""Keys of the parameters of effects of the path."""
 TARGETS = (
     P.beam_EA, P.beam_GA, P.beam_EI, P.effects_precurvature, P.effects_force_gain, P.effects_force_gain_asymmetry,
     P.effects_force_zero, P.effects_force_zero_asymmetry, P.effects_camera_x_offset, P.effects_camera_z_offset,
 )  # fmt: skip
-"""Places of the entries that those effects change."""
+"""Places of the entries that the effects of the catalogue change."""
 
-_SIZES = [index(effect.size.key) for effect in CATALOGUE.values() if effect.enters == "path"]
+USER_ROWS: dict[str, Callable[..., Mapping[str, Any]]] = {}
+"""Laws of effects that a user adds and that change entries row by row, by the effect's name, see `user_effects`."""
+
 _FULL_LOAD = 320.0  # [N] of both tendons together
+
+
+def on_path() -> dict[str, int]:
+    """Return keys and places of the parameters of effects of the path."""
+    return {entry.key: index(entry.key) for item in CATALOGUE.values() if item.enters == "path" for entry in item}
 
 
 def is_on_path(par: Array) -> bool:
     """Whether a mechanism has an effect of the path."""
-    return bool(par[..., _SIZES].any())
+    return any(par[..., index(item.size.key)].any() for item in CATALOGUE.values() if item.enters == "path")
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +79,7 @@ class Record:
     hours: Array
     held: Array
     peak: Array
+    data: Measurements = field(repr=False)
 
     @classmethod
     def of(cls, data: Measurements) -> "Record":
@@ -85,7 +92,27 @@ class Record:
         load, peak = (data.lam_l + data.lam_r) / _FULL_LOAD, np.empty(data.n)
         for start, end in zip(np.flatnonzero(begins), [*np.flatnonzero(begins)[1:], data.n], strict=True):
             peak[start:end] = np.maximum.accumulate(load[start:end])
-        return cls(begins, repeats, hours, np.nan_to_num(data.dwell), peak)
+        return cls(begins, repeats, hours, np.nan_to_num(data.dwell), peak, data)
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """What the law of a user's effect may look at; one entry a row, named as in `Measurements` and above.
+
+    Attributes
+    ----------
+    data : loads and labels
+    hours, held, peak : (n,) t [h], time held [s], largest load so far [-]
+    travel : (n, 2) dir of both tendons
+    theta : (n,) tip angle without memory [rad]
+    """
+
+    data: Measurements
+    hours: Array
+    held: Array
+    peak: Array
+    travel: Array
+    theta: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +159,11 @@ class History:
         _forces(rows, par, record, travel)
         rows[:, P.effects_camera_x_offset] += par[P.effects_camera_drift_x] * record.hours
         rows[:, P.effects_camera_z_offset] += par[P.effects_camera_drift_z] * record.hours
+        seen = Rows(record.data, record.hours, record.held, record.peak, travel, self.theta)
+        for name, law in USER_ROWS.items():
+            values = [par[index(entry.key)] for entry in CATALOGUE[name]]
+            for key, change in law(*values, seen).items():
+                rows[:, index(key)] += change
 
 
 def _forces(rows: Array, par: Array, record: Record, travel: Array) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError, shown
-from .parameters import PARAMETERS
+from .parameters import PARAMETERS, size
 
 __all__ = ["last_step", "many_loads", "numbers", "one_load", "parameter_rows"]
 
@@ -53,10 +53,11 @@ def one_load(lam: ArrayLike, wrench: ArrayLike) -> Array:
 def parameter_rows(values: ArrayLike, n: int) -> Array:
     """Return parameter vectors (n, n_parameters), or raise where they cannot be meant; names row and parameter."""
     par = numbers("parameters", values)
-    if par.shape != (n, len(PARAMETERS)):
-        raise InputError(f"parameters has shape {par.shape}: allowed is ({n}, {len(PARAMETERS)})")
+    if par.shape != (n, size()):
+        raise InputError(f"parameters has shape {par.shape}: allowed is ({n}, {size()})")
     lower, upper = (np.array([getattr(entry, bound) for entry in PARAMETERS]) for bound in ("lower", "upper"))
-    outside = ~((par >= lower) & (par <= upper))
+    known = par[:, : len(PARAMETERS)]
+    outside = ~((known >= lower) & (known <= upper))
     if outside.any():
         row, place = np.argwhere(outside)[0]
         entry = PARAMETERS[place]

@@ -15,7 +15,7 @@ from .discretization import Discretization
 from .effects import CATALOGUE
 from .equilibrium import BatchResult
 from .errors import InputError
-from .history import ON_PATH, TARGETS, History, Record, is_on_path
+from .history import TARGETS, History, Record, is_on_path, on_path
 from .kernels.camera import read, read_derivatives
 from .kernels.prepare import prepare
 from .parameters import PARAMETERS, PLACES, find, index
@@ -30,7 +30,7 @@ CHANGES = {"tilt": "gravity_tilt", "extra_mass": "effects.head_mass"}
 """What a row may change on the test bed, and the parameter to which it is added."""
 
 _CAMERA = [index(entry.key) for effect in CATALOGUE.values() if effect.enters == "camera" for entry in effect]
-_INHERITED = {PARAMETERS[place].key for place in (*TARGETS, PLACES.beam_length, PLACES.effects_beam_length)} | ON_PATH
+_INHERITED = {PARAMETERS[place].key for place in (*TARGETS, PLACES.beam_length, PLACES.effects_beam_length)}
 _STEP = 1e-100  # of the complex step
 _WITHOUT_MEMORY = 1e-13  # squared last Newton step of the solution that the history follows
 
@@ -92,7 +92,7 @@ class MeasuringChain:
         rows = self.rows(par)
         result = self._solve(rows, last2, threads)
         pose = result.pose
-        if par[_CAMERA].any():
+        if rows[:, _CAMERA].any():
             read(rows, pose)
         return pose, result.status, result.load_factor
 
@@ -102,15 +102,16 @@ class MeasuringChain:
         `jacobian` is by the readings of the force cells.
         """
         keys = [find(name).key for name in names]
-        inherited = [key for key in keys if key in _INHERITED] if is_on_path(par) else []
-        inherited = inherited or [key for key in keys if key in ON_PATH]
+        own_path = on_path()
+        touched = _INHERITED | own_path.keys() if is_on_path(par) else own_path.keys()
+        inherited = [key for key in keys if key in touched]
         rows, changes = self.rows(par), {}
         if inherited:
             changes = self._changes(par, inherited)
         targets = [PARAMETERS[place].key for place in sorted({place for own in changes.values() for place in own})]
-        asked = [*dict.fromkeys([*(key for key in keys if key not in ON_PATH), *targets])]
+        asked = [*dict.fromkeys([*(key for key in keys if key not in own_path), *targets])]
         found = sensitivities(self.mesh, asked, rows, *self._loads, last2)
-        self._see(rows, asked, found, always=bool(par[_CAMERA].any()))
+        self._see(rows, asked, found, always=bool(rows[:, _CAMERA].any()))
         if inherited:
             own = {key: found.by_parameter[:, :, i] for i, key in enumerate(asked)}
             columns = [self._inherited(own, changes[key]) if key in changes else own[key] for key in keys]
@@ -140,9 +141,9 @@ class MeasuringChain:
             rows: Complex = base.astype(complex)
             rows[:, index(key)] += 1j * _STEP
             history.apply(rows)
-            places = [index(key), *TARGETS] if key not in ON_PATH else TARGETS
-            slopes = {place: rows[:, place].imag / _STEP for place in places}
-            changes[key] = {place: slope for place, slope in slopes.items() if slope.any()}
+            if key in on_path():  # it acts through other entries alone
+                rows[:, index(key)] = base[:, index(key)]
+            changes[key] = {int(i): rows[:, i].imag / _STEP for i in np.flatnonzero(rows.imag.any(axis=0))}
         return changes
 
     def _inherited(self, own: dict[str, Array], change: dict[int, Array]) -> Array:

@@ -15,13 +15,13 @@ from .kernels.batch import solve_many
 from .kernels.layout import L_FX, L_GRAVITY, N_LOADS, N_OUT, N_STATION, N_TIP
 from .kernels.newton import solve_work_size
 from .kernels.sensitivity import pose_sensitivities
-from .parameters import find, index
+from .parameters import PLACES, find, index
 
 __all__ = ["Sensitivities", "sensitivities"]
 
 Array = NDArray[np.float64]
-# written out where the section's laws are the plain ones and the same along the beam; every other parameter takes the
-# complex step
+# written out for Lagrange elements whose sections have the plain laws, the same along the beam; every other parameter
+# takes the complex step
 STIFFNESSES = ("EA", "GA", "EI")
 _PLAIN = ("precurvature", "precurvature_gradient", "neutral_axis_offset", "beam_length", "beam_mass")
 _FURTHER = [
@@ -91,7 +91,8 @@ def sensitivities(
             mesh.tables, mesh.mesh, mesh.nodes, own, loads[todo], system, np.empty((todo.size, N_OUT)), verdict, nodes
         )
         status[todo], q[todo] = verdict, nodes
-    stiffness, others, columns = _sort(names, plain=not par[:, _FURTHER].any())
+    plain = mesh.family == "lagrange" and not (par[:, _FURTHER].any() or par[:, len(PLACES) :].any())
+    stiffness, others, columns = _sort(names, plain=plain)
     out = np.empty((n, 3)), np.empty((n, 3, 2)), np.empty((n, 3, 3)), np.empty((n, 3, k))
     real, complex_ = _work(mesh, others.size)
     c_par = np.zeros(par.shape[1], dtype=complex)

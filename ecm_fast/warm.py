@@ -14,6 +14,7 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 
 from .condensation import ORDERS
+from .families import FAMILIES
 from .kernels._jit import CACHE_FOLDER
 from .kernels.polynomial import DEGREES
 from .kernels.tip import tendon_directions
@@ -56,11 +57,12 @@ def warmup(*, everything: bool = False, progress: Callable[[str], None] | None =
 
     Parameters
     ----------
-    everything : elements of every order and polynomials of every degree, not the default ones alone
+    everything : elements of every order and family and polynomials of every degree, not the default ones alone
     progress : called with one line of text before every step
     """
     start, before = time.perf_counter(), compilations()
-    touches = list(_touches(ORDERS if everything else (5,), DEGREES if everything else (3,)))
+    families = tuple(FAMILIES) if everything else ("lagrange",)
+    touches = list(_touches(ORDERS if everything else (5,), DEGREES if everything else (3,), families))
     for i, (what, touch) in enumerate(touches, start=1):
         if progress is not None:
             progress(f"{i} of {len(touches)}: {what}")
@@ -78,13 +80,14 @@ def compilations() -> tuple[int, int]:
     return sum(sum(own.cache_misses.values()) for own in stats), sum(sum(own.cache_hits.values()) for own in stats)
 
 
-def _touches(orders: tuple[int, ...], degrees: tuple[int, ...]) -> Iterator[Touch]:
+def _touches(orders: tuple[int, ...], degrees: tuple[int, ...], families: tuple[str, ...]) -> Iterator[Touch]:
     """Yield every way in, by what it is called."""
     neck = Mechanism.preset("slender")
     yield "one solve", lambda: FiniteElementModel(neck).solve((40.0, 10.0))
     for order in orders:
         yield from _for_mesh(f"one element of order {order}", FiniteElementModel(neck, 1, order))
-    yield from _for_mesh("20 linear elements", FiniteElementModel(neck, 20, 1))
+    for family in families:
+        yield from _for_mesh(f"20 {family} elements", FiniteElementModel(neck, 20, 1, family=family))
     yield "wrenches of tendons", lambda: tip_wrenches(FiniteElementModel(neck), [[0.1, 0.01, -0.2]], _LAM[:1])
     yield "directions of tendons", lambda: tendon_directions(FiniteElementModel(neck).tip, 0.1, 0.01, -0.2, 1.0)
     for degree in degrees:

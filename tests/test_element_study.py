@@ -1,5 +1,6 @@
 """The study of elements: a published-style table found by another program, another method as truth, fixed numbers."""
 
+import html
 import json
 import math
 from pathlib import Path
@@ -12,8 +13,9 @@ from ecm_fast import Candidate, InputError, LoadSet, Mechanism, NotConverged
 from ecm_fast.__main__ import main
 from ecm_fast.data import Measurements
 from ecm_fast.element_candidates import candidates, ending_at_jumps, graded, stiffness_jumps
-from ecm_fast.element_errors import Converged, converged, errors
-from ecm_fast.element_study import ElementStudy, Measured, choose_discretization, needed, pareto, recommended, short
+from ecm_fast.element_errors import Converged, converged, errors, short
+from ecm_fast.element_study import ElementStudy, Measured, choose_discretization, needed, pareto, recommended
+from ecm_fast.element_words import answer
 from ecm_fast.testbed import equilibria
 
 # the table: largest |tip error| / L over 60 pairs of tendon forces, by a program that shares no line with this one
@@ -21,9 +23,11 @@ TABLE_NECK = Mechanism().replace(length=0.15, EI=3.0, GA=2420.0, EA=7500.0, pull
 LINEAR = {1: 3.9e-2, 2: 1.1e-2, 5: 1.9e-3, 10: 4.8e-4, 20: 1.2e-4, 40: 3.0e-5, 80: 7.6e-6, 160: 1.9e-6, 320: 4.7e-7}
 LOCKING = {10: 5.4e-3, 40: 3.5e-4, 160: 2.2e-5, 320: 5.4e-6}
 QUADRATIC = {1: 1.3e-3, 2: 9.3e-5, 3: 1.9e-5, 4: 6.0e-6, 6: 1.2e-6, 10: 1.5e-7}
+ARCS = {1: 1.0e-2, 2: 3.2e-3, 4: 8.5e-4, 8: 2.2e-4, 12: 9.6e-5}
 ONE = {3: 2.2e-5, 4: 2.1e-7, 5: 3.3e-9, 6: 8e-11}
 
 SOFT = {"soft_spot.size": 0.2}
+HIGH = (("lagrange", 3), ("lagrange", 4), ("strain", 3))
 FEW = [Candidate.even(n, p) for n, p in ((20, 1), (1, 3), (1, 4), (1, 5))]
 
 
@@ -31,31 +35,30 @@ FEW = [Candidate.even(n, p) for n, p in ((20, 1), (1, 3), (1, 4), (1, 5))]
 def table():
     """Study the table's problem once."""
     lam = np.random.default_rng(0).uniform(0.0, 160.0, (60, 2))
-    study = ecm.study_elements(TABLE_NECK, lam)
+    arcs = [Candidate.even(n, 1, family="se2") for n in ARCS]
+    study = ecm.study_elements(TABLE_NECK, lam, compared=[*candidates(TABLE_NECK), *arcs])
     assert study.known.error < 1e-12
     return study
 
 
-def positions(study, order, gauss):
-    return {
-        row.candidate.elements: row.position
-        for row in study.rows
-        if (row.candidate.order, row.candidate.gauss, row.candidate.mesh) == (order, gauss, "even")
-    }
+def positions(study, order, gauss, family="lagrange"):
+    kind = Candidate.even(1, order, gauss, family).kind
+    rows = [row for row in study.rows if (row.candidate.kind, row.candidate.mesh) == (kind, "even")]
+    return {row.candidate.elements: row.position for row in rows}
 
 
 @pytest.mark.parametrize(
-    ("order", "gauss", "known", "factor"),
-    [(1, 1, LINEAR, 1.2), (1, 2, LOCKING, 1.2), (2, 2, QUADRATIC, 1.3)],
+    ("kind", "known", "factor"),
+    [((1, 1), LINEAR, 1.2), ((1, 2), LOCKING, 1.2), ((2, 2), QUADRATIC, 1.3)],
     ids=["linear", "linear, 2 points", "quadratic"],
 )
-def test_the_known_table(table, order, gauss, known, factor):
+def test_the_known_table(table, kind, known, factor):
     """Which 60 pairs were drawn and what the head weighed is not known.
 
     Three draws differ by 8 %, and a head of 1 kg leaves 1.25 times the error of none: hence a factor of 1.2, and 1.3
     where errors go with a higher power of what bends the neck.
     """
-    found = positions(table, order, gauss)
+    found = positions(table, *kind)
     for elements, error in known.items():
         assert error / factor < found[elements] < error * factor
 
@@ -79,10 +82,24 @@ def test_how_many_elements_it_takes(table):
 
 def test_orders_of_convergence(table):
     """Theory: with p Gauss points the tip converges like h^(2p), with p + 1 of them the linear element like h^2."""
-    for order, gauss, many, expected in ((1, 1, 320, 2), (1, 2, 320, 2), (2, 2, 10, 4), (3, 3, 4, 6)):
-        found = positions(table, order, gauss)
-        fewer = {320: 160, 10: 6, 4: 3}[many]
+    lagrange = [((1, 1), 320, 2), ((1, 2), 320, 2), ((2, 2), 10, 4), ((3, 3), 4, 6)]
+    others = [((1, 1, "se2"), 160, 2), ((2, 3, "strain"), 10, 4), ((3, 4, "strain"), 4, 6)]
+    for kind, many, expected in [*lagrange, *others]:
+        found = positions(table, *kind)
+        fewer = {320: 160, 160: 80, 10: 6, 4: 3}[many]
         assert math.log(found[fewer] / found[many]) / math.log(many / fewer) == pytest.approx(expected, abs=0.2)
+
+
+def test_arcs_have_a_better_constant_than_straight_elements(table):
+    """The same table: second order too, and 3.5 times better.
+
+    How its arcs were integrated is not known. Ours are to rounding and leave less, but not less than half.
+    """
+    linear, arcs = positions(table, 1, 1), positions(table, 1, 1, "se2")
+    for elements in (10, 40, 160):
+        assert 3.5 < linear[elements] / arcs[elements] < 2.0 * 3.5
+    for elements, error in ARCS.items():
+        assert error / 2.0 < arcs[elements] < error
 
 
 def test_locking_gets_worse_with_slenderness_and_one_point_is_rid_of_it():
@@ -106,14 +123,20 @@ def test_locking_gets_worse_with_slenderness_and_one_point_is_rid_of_it():
 
 
 @pytest.mark.parametrize(
-    ("effects", "tolerance"),
-    [({"stiffness_taper": 0.2}, 1e-7), (SOFT, 1e-3), (SOFT, 1e-6), ({"stiffness_taper": -0.1, **SOFT}, 1e-8)],
+    ("effects", "tolerance", "family"),
+    [
+        ({"stiffness_taper": 0.2}, 1e-7, "lagrange"),
+        (SOFT, 1e-3, "lagrange"),
+        (SOFT, 1e-6, "strain"),
+        ({"stiffness_taper": -0.1, **SOFT}, 1e-8, None),
+    ],
     ids=["taper", "spot-1e-3", "spot-1e-6", "both"],
 )
-def test_the_chosen_discretization_keeps_its_tolerance_on_fresh_loads(effects, tolerance):
+def test_the_chosen_discretization_keeps_its_tolerance_on_fresh_loads(effects, tolerance, family):
     """Another method: the differential equations integrated, on 1000 loads that no choice has seen."""
     neck = Mechanism().replace(**effects)
-    choice = choose_discretization(neck, "tendons", tolerance)
+    choice = choose_discretization(neck, "tendons", tolerance, family=family)
+    assert choice.measured.candidate.family == (family or "lagrange")
     assert choice.error <= tolerance
     assert choice.fresh_error <= tolerance
     lam = np.random.default_rng(77).uniform(0.0, 160.0, (1000, 2))
@@ -127,15 +150,20 @@ def test_the_chosen_discretization_keeps_its_tolerance_on_fresh_loads(effects, t
 def test_one_element_does_not_suffice_where_the_stiffness_jumps():
     """Theory: a jump inside an element spoils its order; elements that end there have it back, h^(2p)."""
     neck = Mechanism().replace(**SOFT)
-    aligned = [Candidate(ending_at_jumps(neck, 1), p, p, "ending at jumps") for p in (3, 4)]
-    compared = [Candidate.even(n, p) for n in (1, 3, 10) for p in (3, 4)]
-    rows = ecm.study_elements(neck, compared=[*compared, *aligned]).rows
-    error = {(row.candidate.elements, row.candidate.order, row.candidate.mesh): row.error for row in rows}
-    for order in (3, 4):
-        spanned = [error[n, order, "even"] for n in (1, 3, 10)]
-        assert error[3, order, "ending at jumps"] < 0.1 * min(spanned)
+    aligned = [candidate for candidate in candidates(neck) if candidate.mesh == "ending at jumps"]
+    even = [Candidate.even(n, p, None, family) for n in (1, 3, 10) for family, p in HIGH]
+    rows = ecm.study_elements(neck, compared=[*even, *aligned]).rows
+    error = {(row.candidate.kind, row.candidate.elements, row.candidate.mesh): row.error for row in rows}
+    for family, order in HIGH:
+        kind = Candidate.even(1, order, None, family).kind
+        spanned = [error[kind, n, "even"] for n in (1, 3, 10)]
+        assert error[kind, 3, "ending at jumps"] < 0.1 * min(spanned)
     smooth = ecm.study_elements(Mechanism(), compared=[Candidate.even(1, 4)]).rows[0]
-    assert smooth.error < 1e-3 * error[1, 4, "even"]
+    assert smooth.error < 1e-3 * error["quartic", 1, "even"]
+    # arcs have theirs, the second
+    arcs = {n: found for (kind, n, mesh), found in error.items() if (kind, mesh) == ("SE(2)", "ending at jumps")}
+    fewer, more = sorted(arcs)[-2:]
+    assert math.log(arcs[fewer] / arcs[more]) / math.log(more / fewer) == pytest.approx(2.0, abs=0.2)
 
 
 def test_no_candidate_keeps_the_tolerance():
@@ -145,6 +173,8 @@ def test_no_candidate_keeps_the_tolerance():
         "tolerance = 1e-08: no candidate keeps it; the best, one cubic element, leaves "
     )
     assert "\n" not in str(caught.value)
+    with pytest.raises(InputError, match=r"^family = 'se3': allowed is one of 'lagrange', 'se2', 'strain'"):
+        choose_discretization(family="se3")
     with pytest.raises(NotConverged, match=r"too coarse for tolerance = 1e-15$"):
         choose_discretization(tolerance=1e-15, compared=FEW)
 
@@ -178,6 +208,7 @@ def test_the_recommendation_is_the_fastest_that_keeps_the_tolerance():
     assert recommended(ROWS, 1e-6) is ROWS[2]
     assert recommended(ROWS, 1e-7) is None
     assert ROWS[2].sentence == "one cubic element: 2e-7, 0.6 us"
+    assert measured("c", 2.14e-4, 2e-7).sentence == "one cubic element: 2e-7, 210 us"
     known = Converged(LoadSet.of([[0.0, 0.0]]), np.zeros((1, 3)), 1e-9, 8, 0)
     study = ElementStudy(Mechanism(), tuple(ROWS), known, 1e-6)
     assert study.sentence == "one cubic element: 2e-7, 0.6 us"
@@ -204,8 +235,41 @@ def test_names_and_numbers_in_words():
     assert Candidate.even(1, 4).name == "one quartic element"
     assert Candidate.even(20, 1, 2).name == "20 linear elements, 2 Gauss points"
     assert Candidate((1.0, 2.0), 3, 3, "graded to the clamp").name == "two cubic elements graded to the clamp"
-    assert Candidate.even(8, 2, family="se2").kind == "se2 quadratic"
+    assert Candidate.even(8, 1, family="se2").name == "8 SE(2) elements"
+    assert Candidate.even(2, 3, family="strain").name == "two quadratic-strain elements"
+    assert Candidate.even(1, 1, 3, "strain").name == "one constant-strain element, 3 Gauss points"
     assert [short(error) for error in (2.1e-7, 0.36, math.inf)] == ["2e-7", "4e-1", "inf"]
+
+
+def test_the_answer_in_words():
+    """Fixed numbers: ratios and powers by hand, and no sentence about what was not compared."""
+    assert answer(study_of({})) == ()
+    told = answer(study_of({(20, 1): 4e-4, (40, 1): 1e-4, (1, 3): 2e-5, (1, 4): 1e-7}))
+    assert told == (
+        "To keep errors of the tip below 1e-3, 1e-4 and 1e-6 it takes 20, 40 and more than 40 linear; 1, 1 and more "
+        "than 1 cubic; 1, 1 and 1 quartic elements of equal length.",
+        "The number can be reduced to one: one cubic element (9 unknowns, 1 us) is more exact than 20 linear elements "
+        "(60 unknowns, 1 us): 2e-5 against 4e-4. Of higher order, one leaves: quartic 1e-7.",
+    )
+    told = answer(study_of({(20, 1): 4e-4, (40, 1): 1e-4, (1, 3): 2e-3, (20, 1, 2): 6e-3}))
+    assert told[1].endswith("the best single element, cubic, leaves 2e-3, 20 linear elements leave 4e-4.")
+    assert told[2].endswith("20 leave 6e-3, 15 times what they leave with one.")
+    assert len(told) == 3
+    arcs = {(20, 1, None, "se2"): 1e-4, (40, 1, None, "se2"): 2.5e-5, (1, 3, None, "strain"): 1e-5}
+    told = answer(study_of({(20, 1): 4e-4, (40, 1): 1e-4, (1, 3): 2e-5, (10, 2): 5e-8} | arcs))
+    assert "leave 0.25 times the error of as many linear ones, 1e-4 for 20;" in told[2]
+    assert "the errors fall with the powers 2.00 and 2.00 of the element length" in told[2]
+    assert "as many unknowns, 0.5 (quadratic-strain) times the error." in told[2]
+    assert "A higher order gains more: 10 quadratic elements, with as many unknowns as 20 SE(2) elements" in told[2]
+
+
+def study_of(errors_by_candidate):
+    rows = []
+    for args, error in errors_by_candidate.items():
+        candidate = Candidate.even(*args)
+        rows.append(Measured(candidate, 3 * args[0] * args[1], error, error, error, (0.0,) * 5, 0, 1e-6))
+    known = Converged(LoadSet.of([[0.0, 0.0]]), np.zeros((1, 3)), 1e-13, 8, 0)
+    return ElementStudy(Mechanism(), tuple(rows), known, 1e-6)
 
 
 # --- meshes and loads
@@ -228,8 +292,10 @@ def test_meshes():
     np.testing.assert_allclose(graded(4, 0.5, 3.0), np.array([3, 1, 1, 3]) / 8.0, rtol=1e-14)
     with pytest.raises(InputError, match="allowed are 2 or more and 0 to 1"):
         graded(1, 0.0)
-    meshes = {candidate.mesh for candidate in candidates(neck)}
-    assert meshes == {"even", "graded to the soft spot", "ending at jumps"}
+    for family, known in ((None, {"lagrange", "se2", "strain"}), ("se2", {"se2"})):
+        found = candidates(neck, family)
+        assert {candidate.mesh for candidate in found} == {"even", "graded to the soft spot", "ending at jumps"}
+        assert {candidate.family for candidate in found} == known
 
 
 def test_load_sets():
@@ -277,23 +343,25 @@ def test_the_command(tmp_path: Path, capsys, monkeypatch):
     words = ["elements", "--mechanism", "neck.toml", "--loads", "loads.csv", "--tolerance", "1e-6", "--json"]
     assert main([*words, "--out", "here"]) == 0
     out, err = capsys.readouterr()
-    answer = json.loads(out)
+    said = json.loads(out)
     assert "NaN" not in out
     assert all(line.startswith("ecm-fast: ") for line in err.splitlines())
     assert "] times of " in err
-    assert answer["cases"] == 4
-    assert answer["recommended"]["error"] <= 1e-6
-    assert answer["recommended"]["mesh"] == "ending at jumps"
-    assert sum(answer["recommended"]["shares"]) == pytest.approx(1.0)
-    assert answer["sentence"].startswith(f"{answer['recommended']['name']}: ")
-    assert answer["recommended"]["name"] in answer["front"]
+    assert said["cases"] == 4
+    assert said["recommended"]["error"] <= 1e-6
+    assert said["recommended"]["mesh"] == "ending at jumps"
+    assert sum(said["recommended"]["shares"]) == pytest.approx(1.0)
+    assert said["sentence"].startswith(f"{said['recommended']['name']}: ")
+    assert said["recommended"]["name"] in said["front"]
     here = Path("here")
-    assert json.loads((here / "elements.json").read_text()) == {k: v for k, v in answer.items() if k != "report"}
+    assert json.loads((here / "elements.json").read_text()) == {k: v for k, v in said.items() if k != "report"}
     header, *rows = (here / "elements.csv").read_text().splitlines()
     assert header.startswith("name,family,order,gauss,mesh,elements,unknowns,error,median,position,")
-    assert len(rows) == len(answer["candidates"]) == len(candidates(Mechanism.from_toml("neck.toml")))
+    assert len(rows) == len(said["candidates"]) == len(candidates(Mechanism.from_toml("neck.toml")))
     page = (here / "elements.html").read_text()
-    assert answer["sentence"] in page
+    assert said["sentence"] in page
+    assert all(text in html.unescape(page) for text in said["answer"])
+    assert "SE(2)" in " ".join(said["answer"])
     assert page.count("<svg") == 2
     maps = (here / "element_error_maps.csv").read_text().splitlines()
     assert maps[0].startswith("lam_l_N,lam_r_N,")
@@ -303,6 +371,7 @@ def test_the_command(tmp_path: Path, capsys, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "text"),
     [
+        (("--family", "se3"), "family = 'se3': allowed is one of 'lagrange', 'se2', 'strain'"),
         (("--tolerance", "much"), "argument --tolerance: 'much': allowed is a finite number"),
         (("--tolerance", "-1"), "tolerance = -1.0: allowed is a positive number"),
         (("--loads", "nowhere.csv"), "nowhere.csv: "),

@@ -7,7 +7,6 @@ displaced by the integral of n / EA more.
 
 import importlib.util
 import math
-import sys
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
@@ -33,6 +32,7 @@ from ecm_fast.testbed import (
     mass_test,
     measure,
     readings,
+    section,
     shear_test,
     strong_form,
     tendon_test,
@@ -46,8 +46,23 @@ LAW = {"nh": "neo-hookean", "hooke": "hooke"}
 WEIGHTLESS = Mechanism().replace(g=0.0)
 ELASTICA = WEIGHTLESS.replace(length=1.0, EI=1.0, EA=STIFF, GA=STIFF, axial_law="hooke")
 EFFECTS = {  # twice what the catalogue calls typical
-    effect.size.name: 2.0 * effect.size.typical for effect in CATALOGUE.values() if effect.name in laws.BUILT_IN
+    effect.size.name: 2.0 * effect.size.typical
+    for effect in CATALOGUE.values()
+    if effect.enters not in ("camera", "path")
 }
+IN_KERNELS = (
+    "precurvature",
+    "neutral_axis_offset",
+    "stiffness_taper",
+    "soft_spot.size",
+    "clamp_tilt",
+    "pulley_height",
+    "pulley_height_asymmetry",
+    "pulley_spacing",
+    "pulley_shift",
+    "gravity_tilt",
+    "head_mass",
+)
 
 
 def rows(**columns):
@@ -224,7 +239,10 @@ def test_effects_that_only_change_a_number_of_the_drawing():
 def test_the_mirror_image_of_every_neck():
     lam = np.random.default_rng(5).uniform(0.0, 160.0, (20, 2))
     neck = Mechanism().replace(**{"tendons.pulley_radius": 0.0055, "pulley_z": 0.0645, "head.b": 0.02})
+    assert {effect.name for effect in CATALOGUE.values() if effect.mirror == "mixed"} == {"contact_stop_one_sided"}
     for name, size in {"none": 0.0, **EFFECTS}.items():
+        if name.startswith("contact_stop_one_sided"):
+            continue
         effect = {} if name == "none" else {name: size}
         sign = -1.0 if effect and CATALOGUE[name.partition(".")[0]].mirror == "odd" else 1.0
         mirrored = {key: sign * value for key, value in effect.items()}
@@ -253,9 +271,9 @@ def test_the_load_steps_and_the_company_do_not_matter():
 # --- against the model
 
 
-@pytest.mark.parametrize("name", ["none", "all", *EFFECTS])
+@pytest.mark.parametrize("name", ["none", "all", *IN_KERNELS])
 def test_the_model_meets_the_test_bed_to_its_own_discretization_error(name):
-    effects = {"none": {}, "all": EFFECTS}.get(name, {name: EFFECTS.get(name)})
+    effects = {"none": {}, "all": {key: EFFECTS[key] for key in IN_KERNELS}}.get(name, {name: EFFECTS.get(name)})
     neck = Mechanism().replace(**{"tendons.pulley_radius": 0.0055, "pulley_z": 0.0645, "head.b": 0.01}, **effects)
     rng = np.random.default_rng(11)
     lam = rng.uniform(0.0, 160.0, (40, 2))
@@ -267,7 +285,7 @@ def test_the_model_meets_the_test_bed_to_its_own_discretization_error(name):
     )
     data = measure(neck, loads, Sensors.perfect())
     # elements must end where the stiffness jumps: one does where it does not
-    ends = np.array([0.0, *laws.jumps(laws.named(neck)), neck.beam.length])
+    ends = np.array([0.0, *section.jumps(laws.named(neck)), neck.beam.length])
     assert np.abs(predict(neck, data, elements=np.diff(ends), order=5).residual).max() < 1e-8
     fine = np.sort([*ends, *np.linspace(0.0, neck.beam.length, 9)[1:-1]])
     assert np.abs(predict(neck, data, elements=np.diff(fine), order=6).residual).max() < 1e-11
@@ -309,7 +327,7 @@ def test_an_effect_without_a_law_is_refused(monkeypatch):
 
 
 def test_the_laws_are_named_as_in_the_catalogue():
-    assert set(CATALOGUE) >= laws.BUILT_IN
+    assert set(CATALOGUE) == laws.BUILT_IN
 
 
 # --- a further effect is one function: laws that the catalogue does not hold yet, against closed forms
@@ -317,7 +335,7 @@ def test_the_laws_are_named_as_in_the_catalogue():
 
 def test_a_stiffness_that_tapers_along_the_beam(monkeypatch):
     a, L, EI, tau = 0.3, 0.109, 3.0, 9.0
-    monkeypatch.setattr(laws, "stiffness", lambda p, s: (7500.0, 2420.0, EI / (1.0 + a * s / L)))
+    monkeypatch.setattr(section, "stiffness", lambda p, s: (7500.0, 2420.0, EI / (1.0 + a * s / L)))
     (found,) = poses(WEIGHTLESS, tau_Nm=[tau])
 
     def theta(s):
@@ -347,7 +365,7 @@ def test_a_clamp_that_gives_way(monkeypatch):
 
 def test_a_section_law_without_inverse(monkeypatch):
     a, tau = 4e-3, np.array([3.0, -9.0])
-    own = laws.section
+    own = section.section
 
     def stiffening(p, s, strains):
         N, Q, M = own(p, s, strains)
@@ -357,17 +375,6 @@ def test_a_section_law_without_inverse(monkeypatch):
     found = poses(WEIGHTLESS, tau_Nm=tau)
     kappa = found[:, 2] / 0.109
     np.testing.assert_allclose(3.0 * kappa * (1.0 + a * kappa**2), tau, rtol=1e-12)
-
-
-def test_tendon_forces_that_depend_on_the_order_of_loads(monkeypatch):
-    def sticky(p, loads):
-        return loads.lam - np.sign(np.diff(loads.lam, axis=0, prepend=0.0))
-
-    monkeypatch.setattr(sys.modules["ecm_fast.testbed.equilibria"], "acting", sticky)
-    up_and_down = poses(Mechanism(), lam_l_N=[50.0, 100.0, 50.0], lam_r_N=[50.0, 50.0, 50.0])
-    monkeypatch.undo()
-    felt = poses(Mechanism(), lam_l_N=[49.0, 99.0, 51.0], lam_r_N=[49.0, 50.0, 50.0])
-    np.testing.assert_array_equal(up_and_down, felt)
 
 
 # --- instruments

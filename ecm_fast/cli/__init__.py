@@ -12,7 +12,22 @@ import traceback
 from collections.abc import Sequence
 
 from ..errors import InputError, NotConverged
-from . import bench, diagnose, effects, elements, identify, init, polynomial, predict, reproduce, solve, warmup
+from . import (
+    bench,
+    diagnose,
+    effects,
+    elements,
+    hide,
+    identify,
+    init,
+    next_loads,
+    polynomial,
+    predict,
+    reproduce,
+    score,
+    solve,
+    warmup,
+)
 from ._answer import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED, plain
 from ._arguments import parse
 from ._streams import note, write
@@ -28,7 +43,10 @@ COMMANDS = {
     "elements": elements.COMMAND,
     "plan": diagnose.PLAN,
     "diagnose": diagnose.DIAGNOSE,
+    "next": next_loads.COMMAND,
     "effects": effects.COMMAND,
+    "hide": hide.COMMAND,
+    "score": score.COMMAND,
     "init": init.COMMAND,
     "reproduce": reproduce.COMMAND,
     "bench": bench.COMMAND,

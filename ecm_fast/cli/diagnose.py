@@ -1,6 +1,7 @@
 """``ecm-fast diagnose`` and ``ecm-fast plan``: what the model is missing, and what loads could tell of it."""
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
@@ -9,6 +10,8 @@ from ._arguments import finite_number, mechanism
 
 if TYPE_CHECKING:
     from ..diagnosis import Diagnosis, Plan
+    from ..diagnosis.next_loads import NextLoads
+    from ..mechanism import Mechanism
 
 __all__ = ["DIAGNOSE", "PLAN", "VERDICT_CODES"]
 
@@ -50,6 +53,7 @@ def _add_diagnose(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--test", action="append", default=[], metavar="DATA2", help="measurements never fitted, for the proof"
     )
+    parser.add_argument("--report", metavar="PAGE", help="write the page here; with --out it is DIR/diagnosis.html")
     parser.add_argument("--exit-code", action="store_true", help=f"end with the verdict's code: {_CODES}")
 
 
@@ -81,13 +85,70 @@ def _uncertain(given: list[str]) -> dict[str, float | None]:
 def _diagnose(args: argparse.Namespace) -> Answer:
     from ..data import read_measurements
     from ..diagnosis import diagnose
+    from ..diagnosis.checks import check
 
-    found = diagnose(mechanism(args), **_common(args), test=[read_measurements(path) for path in args.test])
+    neck, common = mechanism(args), _common(args)
+    noticed = [text for data in common["data"] for text in check(neck, data).warnings]
+    found = diagnose(neck, **common, test=[read_measurements(path) for path in args.test])
     path = folder(args.out or "out") / "mechanism.toml"
     found.mechanism.to_toml(path)
-    answer = {**found.to_json_dict(), "mechanism": str(path), "report": None, "next": []}
-    notes = (*(f"warning: {text}" for text in (*found.warnings, *found.alarms)), f"wrote {path}", *saved(args, answer))
+    further = _next(neck, found, common)
+    page = _page(args, neck, found, common, further, noticed)
+    answer = {
+        **found.to_json_dict(),
+        "mechanism": str(path),
+        "report": page,
+        "next": [entry.to_json_dict() for entry in further.suggestions] if further else [],
+        "inputs": _inputs(args),
+    }
+    warnings = [f"warning: {text}" for text in (*noticed, *found.warnings, *found.alarms)]
+    notes = (*warnings, f"wrote {path}", *([f"wrote {page}"] if page else []), *saved(args, answer))
     return Answer(answer, _text(found), notes, VERDICT_CODES[found.verdict] if args.exit_code else DONE)
+
+
+def _next(neck: "Mechanism", found: "Diagnosis", common: dict[str, Any]) -> "NextLoads | None":
+    """Return what would split the look-alikes, None where there are none."""
+    from ..diagnosis.next_loads import next_loads, rivals_of
+
+    sets = [model.names for model in found.models if model.in_set]
+    known = {"priors": common["priors"], "force_sigma": found.noise.force}
+    rivals = rivals_of(neck, common["data"], sets, **known) if len(sets) > 1 else []
+    if len(rivals) < 2:
+        return None
+    return next_loads(rivals, common["data"], sigma=found.noise.known_sigma, **known)
+
+
+def _page(
+    args: argparse.Namespace,
+    neck: "Mechanism",
+    found: "Diagnosis",
+    common: dict[str, Any],
+    further: "NextLoads | None",
+    noticed: list[str],
+) -> str | None:
+    """Write the page where one is asked for; return its path."""
+    if not args.report and args.out is None:
+        return None
+    from ..diagnosis import plan
+    from ..diagnosis.parity import parity
+    from ..diagnosis_report import write_diagnosis
+
+    path = Path(args.report) if args.report else folder(args.out) / "diagnosis.html"
+    shown = plan(neck, **common)
+    tests = parity(common["data"][0]) if len(common["data"]) == 1 else None
+    return str(write_diagnosis(found, neck, path, parity=tests, plan=shown, next_loads=further, notes=noticed,
+                               priors=common["priors"]))  # fmt: skip
+
+
+def _inputs(args: argparse.Namespace) -> dict[str, Any]:
+    """Return what ``next`` needs to go on."""
+    from .identify import _priors
+
+    return {
+        "mechanism": None if args.mechanism is None else str(Path(args.mechanism).resolve()),
+        "data": [str(Path(path).resolve()) for path in args.data],
+        "priors": {name: list(prior) for name, prior in _priors(args.prior).items()},
+    }
 
 
 def _text(found: "Diagnosis") -> str:

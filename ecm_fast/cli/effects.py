@@ -1,19 +1,62 @@
-"""``ecm-fast effects``: the catalogue."""
+"""``ecm-fast effects``: the catalogue, and how it shows on a mechanism."""
 
 import argparse
 from collections.abc import Mapping
 from typing import Any
 
 from ..effects import CATALOGUE, Effect
-from ._answer import Answer, Command, saved
+from ._answer import Answer, Command, folder, saved
+from ._arguments import mechanism
 
 __all__ = ["COMMAND"]
 
 
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "data",
+        nargs="?",
+        metavar="DATA",
+        help="measurements whose loads decide what looks alike; default: tendon forces",
+    )
+    parser.add_argument("--mechanism", metavar="F", help="mechanism file (TOML); default: the preset 'slender'")
+
+
 def _run(args: argparse.Namespace) -> Answer:
     entries = [_entry(effect) for effect in CATALOGUE.values()]
+    notes: tuple[str, ...] = ()
+    if args.out is not None or args.data is not None or args.mechanism is not None:
+        notes = _shown(args, entries)
     answer = {"effects": entries}
-    return Answer(answer, "\n".join(map(_text, entries)), saved(args, answer))
+    return Answer(answer, "\n".join(map(_text, entries)), (*notes, *saved(args, answer)))
+
+
+def _shown(args: argparse.Namespace, entries: list[dict[str, Any]]) -> tuple[str, ...]:
+    """Add to the entries how they show on a mechanism; write the page where a folder is named."""
+    from ..catalogue_report import look_alikes, write_catalogue
+    from ..data import read_measurements
+    from ..diagnosis import plan
+    from ..report import require
+    from ..testbed import tendon_test
+
+    neck = mechanism(args)
+    data = None if args.data is None else read_measurements(args.data)
+    notes: tuple[str, ...] = ()
+    if args.out is None:
+        found = plan(neck, tendon_test(grid=9) if data is None else data)
+    else:
+        require()
+        path, found = write_catalogue(neck, folder(args.out), data)
+        notes = (f"wrote {path}",)
+    alike, sights = look_alikes(found), {sight.name: sight for sight in found.sights}
+    for entry in entries:
+        sight = sights[entry["name"]]
+        entry |= {
+            "visible": sight.visible,
+            "sigmas": sight.sigmas,
+            "smallest": sight.smallest,
+            "look_alikes": [{"name": name, "cosine": cosine} for name, cosine in alike[entry["name"]]],
+        }
+    return notes
 
 
 def _entry(effect: Effect) -> dict[str, Any]:
@@ -27,12 +70,16 @@ def _entry(effect: Effect) -> dict[str, Any]:
 
 def _text(entry: Mapping[str, Any]) -> str:
     needs = f"; needs {', '.join(entry['needs'])}" if entry["needs"] else ""
+    shown = ""
+    if "visible" in entry:
+        others = ", ".join(f"{other['name']} {other['cosine']:.2f}" for other in entry["look_alikes"])
+        shown = f"\n    {entry['visible']}, typical size {entry['sigmas']:.1f} sigma; look-alikes: {others or 'none'}"
     return (
         f"{entry['name']}: {entry['meaning']}\n"
         f"    {entry['law']}\n"
         f"    typical {entry['typical']:g} {entry['unit']}, allowed {entry['lower']:g} to {entry['upper']:g}\n"
-        f"    enters {entry['enters']}; family {entry['family']}; mirror {entry['mirror']}{needs}"
+        f"    enters {entry['enters']}; family {entry['family']}; mirror {entry['mirror']}{needs}{shown}"
     )
 
 
-COMMAND = Command("the catalogue of physical effects", lambda parser: None, _run)
+COMMAND = Command("the catalogue of physical effects, and how each shows on a mechanism", _add_arguments, _run)

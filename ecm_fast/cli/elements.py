@@ -30,6 +30,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="E",
         help="error of the tip that is allowed, in lengths of the beam and rad; default 1e-3",
     )
+    parser.add_argument("--family", metavar="NAME", help="lagrange, se2 or strain, the only one compared; default: all")
 
 
 def _run(args: argparse.Namespace) -> Answer:
@@ -41,9 +42,9 @@ def _run(args: argparse.Namespace) -> Answer:
     from ..element_report import summary, write_study
     from ..element_study import study_elements
 
-    study = study_elements(neck, loads, args.tolerance, progress=note)
-    answer = {**summary(study), "report": write_study(study, out)}
-    return Answer(answer, _text(study), (f"wrote {out}",))
+    study = study_elements(neck, loads, args.tolerance, family=args.family, progress=note)
+    found = {**summary(study), "report": write_study(study, out)}
+    return Answer(found, _text(study), (f"wrote {out}",))
 
 
 def _loads(words: str) -> Any:
@@ -53,9 +54,11 @@ def _loads(words: str) -> Any:
 
 
 def _text(study: "ElementStudy") -> str:
+    from ..element_words import answer
+
     lines = [f"{len(study.known.loads)} load cases, errors known to {study.known.error:.0e}", "none beats:"]
     lines += [f"    {row.sentence}" for row in study.front]
-    return "\n".join([*lines, f"for {study.tolerance:g}: {study.sentence}"])
+    return "\n".join([*lines, f"for {study.tolerance:g}: {study.sentence}", *answer(study)])
 
 
 COMMAND = Command("how few elements suffice, and of which kind", _add_arguments, _run)

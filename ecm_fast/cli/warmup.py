@@ -11,7 +11,7 @@ __all__ = ["COMMAND"]
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--all", action="store_true", dest="everything", help="every order and degree, not the default ones alone"
+        "--all", action="store_true", dest="everything", help="every order, family and degree, not the defaults alone"
     )
 
 

@@ -6,10 +6,11 @@ in `kernels.section` or `kernels.tip` when it changes what happens during a solv
 """
 
 from . import camera, ends, environment, forces, geometry, path, section
-from ._entry import Effect
+from ._entry import Effect, Mirror, also
+from ._entry import effect as declare
 from .forces import FULL_SCALE
 
-__all__ = ["CATALOGUE", "FULL_SCALE", "Effect"]
+__all__ = ["CATALOGUE", "FULL_SCALE", "Effect", "Mirror", "also", "declare"]
 
 CATALOGUE: dict[str, Effect] = {
     effect.name: effect

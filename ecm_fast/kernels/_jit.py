@@ -24,10 +24,21 @@ from pathlib import Path
 from typing import Any
 
 import numba
-from numba.core import types
-from numba.extending import intrinsic, register_jitable
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.extending import intrinsic, overload, register_jitable
 
-__all__ = ["CACHE_FOLDER", "array_at", "call_kernel", "kernel", "ordered_kernel", "step_kernel", "wide"]
+__all__ = [
+    "CACHE_FOLDER",
+    "array_at",
+    "by_first_type",
+    "call_at",
+    "call_kernel",
+    "kernel",
+    "ordered_kernel",
+    "step_kernel",
+    "wide",
+]
 
 _log = logging.getLogger("ecm_fast")
 _config: Any = numba.config  # its settings come from the environment, unknown to a type checker
@@ -38,7 +49,7 @@ def _sources() -> list[Path]:
     package = Path(__file__).resolve().parent.parent
     return sorted(
         path
-        for pattern in ("kernels/*.py", "effects/*.py", "mechanism.py", "parameters.py", "quantity.py")
+        for pattern in ("kernels/*.py", "effects/*.py", "families/*.py", "mechanism.py", "parameters.py", "quantity.py")
         for path in package.glob(pattern)
     )
 
@@ -89,10 +100,27 @@ def call_kernel(function: Callable[..., Any]) -> Any:
     return _compile(function, _FASTMATH, nogil=False)
 
 
+def by_first_type(choose: Callable[[Any], Any]) -> Any:
+    """Return a function that is the kernel which `choose` returns for its first argument.
+
+    While a kernel that calls it is compiled, `choose` is given that argument's type in place of its value: the choice
+    costs a call nothing.
+    """
+
+    def chosen(*arguments: Any) -> Any:
+        return choose(arguments[0])(*arguments)
+
+    register: Any = overload
+    register(chosen, jit_options=_options(_FASTMATH), strict=False)(lambda *types: choose(types[0]).py_func)
+    return chosen
+
+
+def _options(fastmath: set[str], *, forceinline: bool = False, nogil: bool = True) -> dict[str, Any]:
+    return {"error_model": "numpy", "nogil": nogil, "fastmath": fastmath, "forceinline": forceinline}
+
+
 def _compile(function: Callable[..., Any], fastmath: set[str], *, forceinline: bool = False, nogil: bool = True) -> Any:
-    options: dict[str, Any] = {
-        "error_model": "numpy", "nogil": nogil, "fastmath": fastmath, "forceinline": forceinline,
-    }  # fmt: skip
+    options = _options(fastmath, forceinline=forceinline, nogil=nogil)
     if CACHE_FOLDER is None:
         return numba.njit(**options)(function)
     # numba reads CACHE_DIR while it decorates; other packages' kernels keep their own place
@@ -140,3 +168,33 @@ _carray: Any = numba.carray  # type: ignore[attr-defined]
 def array_at(address: int, size: int) -> Any:
     """Return the `size` numbers at `address` as an array; the caller answers for both."""
     return _carray(_pointer(address), (size,))
+
+
+_utilities: Any = cgutils
+
+
+@intrinsic
+def _called(typing_context: Any, address: Any, inputs: Any) -> Any:
+    """Call the C function at an address with an array of complex numbers; returns the three that it writes."""
+    kinds: Any = types
+    number, result = kinds.complex128, kinds.UniTuple(kinds.complex128, 3)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        value, count = context.get_value_type(number), len(inputs)
+        given = _utilities.alloca_once(builder, ir.ArrayType(value, count))
+        found = _utilities.alloca_once(builder, ir.ArrayType(value, 3))
+        first, zero = ir.IntType(32)(0), ir.IntType(32)
+        for i in range(count):
+            entry = builder.extract_value(arguments[1], i)
+            builder.store(entry, builder.gep(given, [first, zero(i)]))
+        pointer = value.as_pointer()
+        function = ir.FunctionType(ir.VoidType(), [pointer, pointer]).as_pointer()
+        law = builder.inttoptr(arguments[0], function)
+        builder.call(law, [builder.gep(given, [first, first]), builder.gep(found, [first, first])])
+        read = [builder.load(builder.gep(found, [first, zero(i)])) for i in range(3)]
+        return context.make_tuple(builder, result, read)
+
+    return result(types.int64, inputs), generate
+
+
+call_at: Any = _called

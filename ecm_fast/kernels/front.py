@@ -6,7 +6,7 @@ at the tip. The factor is kept in band storage, 3 n_a - 1 entries below the diag
 """
 
 from ._jit import kernel
-from .element import element
+from .families import element, sizes
 from .layout import L_GRAVITY, T_CLAMP_TILT, T_CLAMP_X, T_FURTHER
 from .tip import tip_wrench
 
@@ -16,7 +16,7 @@ __all__ = ["back_substitute", "band_of", "eliminate", "newton_step", "solve_spd3
 def work_size(n_elements: int, order: int) -> int:
     """Return how many numbers `newton_step` needs as work space."""
     m = 3 * (order + 1)
-    return m * m + m + n_elements * 3 * order * m
+    return m * m + m + n_elements * 3 * order * m + 6 * m
 
 
 @kernel
@@ -52,10 +52,11 @@ def eliminate(front, first, last, res, band):
 
 
 @kernel
-def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
+def newton_step(tables, stations, tip, loads, q, work, step, K_tip):
     """Newton's step at `q`, [A1] of `reference.assembly`.
 
-    basis : (3, n_gauss, n_a), stations : (n_stations, N_STATION), tip : (N_TIP,), loads : (N_LOADS,)
+    tables : the elements' family and shape functions, see `families`
+    stations : (n_stations, N_STATION), tip : (N_TIP,), loads : (N_LOADS,)
     q : (3 n_nodes,)      all nodes, the clamped one first
     work : see `work_size`
     step : (3 n_nodes,)   overwritten
@@ -63,10 +64,12 @@ def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
 
     Returns the number of pivots that are not positive and the free length of the shorter tendon.
     """
-    n_gauss, m = basis.shape[1], 3 * basis.shape[2]
+    n_gauss, n_a = sizes(tables)
+    m = 3 * n_a
     width = m - 3  # unknowns that one element completes
     front, res = work[: m * m].reshape(m, m), work[m * m : m * m + m]
     band = band_of(work, m, q.shape[0])
+    room = work[m * m + m + band.size : m * m + m + band.size + 6 * m]
 
     K_tip[:] = 0.0  # carries what earlier elements leave at the node they share with the next
     res[width:] = 0.0
@@ -75,7 +78,7 @@ def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
     for e in range(stations.shape[0] // n_gauss):
         _open_front(front, res, K_tip)
         own = stations[e * n_gauss : (e + 1) * n_gauss]
-        element(basis, own, loads[L_GRAVITY], q[first_row : first_row + m], res, front)
+        element(tables, own, loads[L_GRAVITY], q[first_row : first_row + m], res, front, room)
         clamped = 3 if e == 0 else 0
         if e == 0 and tip[T_FURTHER] != 0.0:
             clamped = 0

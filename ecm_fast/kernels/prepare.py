@@ -42,7 +42,7 @@ def _profile(par, length, place, before, share):
 
 @kernel
 def _prepare_section(par, station):
-    """Sizes of the effects of the section's laws."""
+    """Sizes of the effects of the section's laws, the user's among them."""
     station[at.S_CUBIC] = par[P.effects_bending_cubic]
     station[at.S_AMPLITUDE] = par[P.effects_bending_amplitude]
     station[at.S_ONE_SIDED] = par[P.effects_bending_one_sided]
@@ -52,10 +52,25 @@ def _prepare_section(par, station):
     station[at.S_OGDEN] = par[P.effects_ogden]
     station[at.S_SHEAR_CUBIC] = par[P.effects_shear_cubic]
     station[at.S_SHEAR_COMPRESSION] = par[P.effects_shear_compression]
-    station[at.S_FURTHER] = 0.0
-    for i in range(at.S_FURTHER + 1, at.N_STATION):
+    station[at.S_FURTHER] = 1.0 if _put_user(par, 0, station[at.S_LAW :]) else 0.0
+    for i in range(at.S_CUBIC, at.S_SHEAR_COMPRESSION + 1):
         if station[i] != 0.0:
             station[at.S_FURTHER] = 1.0
+
+
+@kernel
+def _put_user(par, which, room):
+    """Put the address of the user's laws, of the section (0) or of the head (1), and the values of his effects.
+
+    Returns whether any of his effects is there.
+    """
+    own = par.shape[0] - 3 - len(P)
+    room[0] = par[par.shape[0] - 3 + which] if own > 0 else 0.0
+    present = False
+    for i in range(at.N_USER):
+        room[1 + i] = par[len(P) + i] if i < own else 0.0
+        present = present or (i < own and room[1 + i] != 0.0 and (int(par[par.shape[0] - 1].real) >> i) % 2 == 1)
+    return present and room[0] != 0.0
 
 
 @kernel
@@ -97,7 +112,7 @@ def _prepare_ends(par, tip):
     tip[at.T_CLAMP_Z] = par[P.effects_clamp_lateral_compliance]
     tip[at.T_CLAMP_T] = par[P.effects_clamp_rotation_compliance]
     tip[at.T_CLAMP_TILT] = par[P.effects_clamp_tilt]
-    tip[at.T_FURTHER] = 0.0
+    tip[at.T_FURTHER] = 1.0 if _put_user(par, 1, tip[at.T_LAW :]) else 0.0
     for i in (at.T_STOP, at.T_STOP_1, at.T_JOINT, at.T_CLAMP_X, at.T_CLAMP_Z, at.T_CLAMP_T):
         if tip[i] != 0.0:
             tip[at.T_FURTHER] = 1.0
@@ -127,7 +142,7 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
         gradient = par[P.effects_precurvature_gradient] * (2.0 * place - 1.0)
         station[at.S_KAPPA0] = par[P.effects_precurvature] + gradient
         station[at.S_OFFSET] = par[P.effects_neutral_axis_offset]
-        station[at.S_HOOKE] = par[P.beam_axial_law]
+        station[at.S_HOOKE], station[at.S_PLACE] = par[P.beam_axial_law], place
         station[at.S_LOAD_X], station[at.S_LOAD_Z] = mass_per_length * gravity_x, mass_per_length * gravity_z
         _prepare_section(par, station)
 

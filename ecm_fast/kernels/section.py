@@ -13,14 +13,18 @@ from .layout import (
     S_GA,
     S_HOOKE,
     S_KAPPA0,
+    S_LAW,
     S_MOONEY,
     S_NEO_HOOKEAN,
     S_OFFSET,
     S_OGDEN,
     S_ONE_SIDED,
+    S_PLACE,
     S_SHEAR_COMPRESSION,
     S_SHEAR_CUBIC,
+    S_USER,
 )
+from .user import added
 
 __all__ = ["axial_law", "section_law"]
 
@@ -62,7 +66,12 @@ def section_law(station, gamma_x, gamma_z, kappa):
     N, N_g, N_u = N + c + d_g + m_g + q_g, N_g + c_g + d_gg + m_gg + q_gg, d_gu + m_gu
     M, M_u = station[S_EI] * u + b + d_u + m_u, station[S_EI] + b_u + d_uu + m_uu
     N_kappa = offset * N_g + N_u
-    return N, Q, M + offset * N, N_g, Q_g, N_kappa, Q_z, offset * Q_g, M_u + offset * (N_u + N_kappa)
+    M, Q_kappa, M_kappa = M + offset * N, offset * Q_g, M_u + offset * (N_u + N_kappa)
+    if station[S_LAW] != 0.0:
+        (n, q, m), by = added(gamma_x, gamma_z, kappa, station[S_LAW], station[S_USER:], station[S_PLACE])
+        N, Q, M, N_g, Q_g, N_kappa = N + n, Q + q, M + m, N_g + by[0], Q_g + by[1], N_kappa + by[2]
+        Q_z, Q_kappa, M_kappa = Q_z + by[3], Q_kappa + by[4], M_kappa + by[5]
+    return N, Q, M, N_g, Q_g, N_kappa, Q_z, Q_kappa, M_kappa
 
 
 @kernel

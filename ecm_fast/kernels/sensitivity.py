@@ -7,10 +7,13 @@ the complex step, exact to rounding. Only the section's three stiffnesses are wr
 every fit needs them.
 """
 
+from typing import Any
+
 import numpy as np
 
-from ._jit import kernel
-from .element import element_residual
+from . import element as lagrange
+from ._jit import by_first_type, kernel
+from .families import element_residual, kernels_for, sizes
 from .front import back_substitute, band_of, newton_step, solve_spd3
 from .layout import (
     L_GRAVITY,
@@ -38,17 +41,17 @@ STEP = 1e-100
 
 
 @kernel
-def tip_derivatives(basis, stations, tip, loads, q, work, step, compliance, jacobian):
+def tip_derivatives(tables, stations, tip, loads, q, work, step, compliance, jacobian):
     """Derivative of the tip pose by a wrench at Q and by the tendon forces, at an equilibrium `q`.
 
-    basis, stations, tip, loads, q, work, step : as in `front.newton_step`
+    tables, stations, tip, loads, q, work, step : as in `front.newton_step`
     compliance : (3, 3)   overwritten: d(x, z, theta)/d(fx, fz, tau) [m/N, rad/N, ...]
     jacobian : (3, 2)     overwritten: d(x, z, theta)/d(lam_l, lam_r) = compliance P, P the coupling matrix (40)
 
     Returns the number of pivots that are not positive.
     """
     K = jacobian.reshape(6)  # its six places are free until the end
-    not_positive, _ = newton_step(basis, stations, tip, loads, q, work, step, K)
+    not_positive, _ = newton_step(tables, stations, tip, loads, q, work, step, K)
     for i in range(3):
         for k in range(3):
             compliance[i, k] = 1.0 if i == k else 0.0
@@ -104,7 +107,7 @@ def _unit_responses(work, m, tip, compliance, turn, W):
 
 
 @kernel
-def _by_stiffness(basis, stations, q, W, by_EA, by_GA, by_EI):
+def _lagrange_by_stiffness(basis, stations, q, W, by_EA, by_GA, by_EI):
     """Pose by EA, GA and EI, (3,) each: minus the virtual work of what a stiffness of 1 adds to the contact force."""
     n_gauss, m = basis.shape[1], 3 * basis.shape[2]
     by_EA[:], by_GA[:], by_EI[:] = 0.0, 0.0, 0.0
@@ -136,6 +139,16 @@ def _by_stiffness(basis, stations, q, W, by_EA, by_GA, by_EI):
 
 
 @kernel
+def _not_written_out(tables, stations, q, W, by_EA, by_GA, by_EI):
+    """Other families leave the stiffnesses to the complex step: this is never called."""
+
+
+_by_stiffness: Any = by_first_type(
+    lambda tables: _lagrange_by_stiffness if kernels_for(tables) is lagrange else _not_written_out
+)
+
+
+@kernel
 def prepare_complex(par, which, mesh, nodes, stations, tip, q_rest):
     """Constants of a solve with an imaginary step in one parameter after the other.
 
@@ -150,31 +163,43 @@ def prepare_complex(par, which, mesh, nodes, stations, tip, q_rest):
 
 
 @kernel
-def _residual_change(basis, stations, tip, q_rest, loads, q, reaction, q_complex, res, K):
+def _changes(constants):
+    """Whether the imaginary step has reached any of these constants."""
+    changed = False
+    for i in range(constants.shape[0]):
+        changed = changed or constants[i].imag != 0.0
+    return changed
+
+
+@kernel
+def _residual_change(tables, stations, tip, q_rest, loads, q, reaction, q_complex, res, K):
     """Derivative of the residual by the parameter in which `prepare_complex` stepped, into res.imag / STEP.
 
     reaction : (3,)   the beam's force and couple on its clamp
 
     Returns the head's angle, whose imaginary part tells how it depends on the parameter where the beam stands still.
     """
-    n_gauss, m = basis.shape[1], 3 * basis.shape[2]
-    n = q.shape[0]
+    n_gauss, n_a = sizes(tables)
+    m, n = 3 * n_a, q.shape[0]
     for i in range(n):
         q_complex[i] = q[i]
         res[i] = 0.0
     for i in range(3):  # the clamped node goes where the parameter puts it
         if tip[T_CLAMP_X + i].real == 0.0:
             q_complex[i] = complex(q[i], q_rest[i].imag + tip[T_CLAMP_X + i].imag * reaction[i])
-    for e in range(stations.shape[0] // n_gauss):
-        first = e * (m - 3)
-        own = stations[e * n_gauss : (e + 1) * n_gauss]
-        element_residual(basis, own, loads[L_GRAVITY], q_complex[first : first + m], res[first : first + m])
+    if _changes(stations.reshape(stations.size)) or _changes(q_complex[:3]):
+        for e in range(stations.shape[0] // n_gauss):
+            first = e * (m - 3)
+            own = stations[e * n_gauss : (e + 1) * n_gauss]
+            element_residual(tables, own, loads[L_GRAVITY], q_complex[first : first + m], res[first : first + m])
     for i in range(3):
         if tip[T_CLAMP_X + i].real > 0.0:
             rest = tip[T_CLAMP_TILT] if i == 2 else 0.0 * tip[T_CLAMP_TILT]
             res[i] += (q[i] - rest) / tip[T_CLAMP_X + i]
         else:
             res[i] = 0.0
+    if not _changes(tip):
+        return q_complex[n - 1]
     wrench = K[6:9]
     _, turned = tip_wrench(tip, loads, q_complex[n - 3], q_complex[n - 2], q_complex[n - 1], wrench, K)
     for i in range(3):
@@ -183,22 +208,23 @@ def _residual_change(basis, stations, tip, q_rest, loads, q, reaction, q_complex
 
 
 @kernel
-def _reaction(basis, stations, loads, q, res):
+def _reaction(tables, stations, loads, q, res):
     """Force and couple of the beam on its clamp, into the first three entries of `res`, (3 n_a or more,)."""
-    m = 3 * basis.shape[2]
+    n_gauss, n_a = sizes(tables)
+    m = 3 * n_a
     res[:m] = 0.0
-    element_residual(basis, stations[: basis.shape[1]], loads[L_GRAVITY], q[:m], res[:m])
+    element_residual(tables, stations[:n_gauss], loads[L_GRAVITY], q[:m], res[:m])
     for i in range(3):
         res[i] = -res[i]
 
 
 @kernel
 def pose_sensitivities(
-    basis, mesh, nodes, par, stiffness, which, loads, q, status, system, complex_system, pose, jacobian, compliance, by
+    tables, mesh, nodes, par, stiffness, which, loads, q, status, system, complex_system, pose, jacobian, compliance, by
 ):
     """Derivatives of many tip poses by tendon forces, wrench and parameters.
 
-    basis, mesh, nodes : the discretization; par : (1 or n, n_parameters)
+    tables, mesh, nodes : the discretization; par : (1 or n, n_parameters)
     stiffness : (3,)   columns of `by` for EA, GA, EI, or -1
     which : (k,)       places in the vector of the others, whose derivatives fill the first columns of `by`
     loads : (n, N_LOADS), q : (n, 3 n_nodes), status : (n,)   equilibria; where there is none, nan is left
@@ -208,7 +234,7 @@ def pose_sensitivities(
     """
     stations, tip, q_rest, work, step, W, spare = system
     c_par, c_stations, c_tip, c_q_rest, c_q, c_res, c_K = complex_system
-    m = 3 * basis.shape[2]
+    m = 3 * sizes(tables)[1]
     for i in range(loads.shape[0]):
         if i < par.shape[0]:
             prepare(par[i], mesh, nodes, stations, tip, q_rest)
@@ -217,7 +243,7 @@ def pose_sensitivities(
         if status[i] > UNSTABLE:
             pose[i], jacobian[i], compliance[i], by[i] = np.nan, np.nan, np.nan, np.nan
             continue
-        tip_derivatives(basis, stations, tip, loads[i], q[i], work, step, compliance[i], jacobian[i])
+        tip_derivatives(tables, stations, tip, loads[i], q[i], work, step, compliance[i], jacobian[i])
         x, z, theta = q[i, q.shape[1] - 3], q[i, q.shape[1] - 2], q[i, q.shape[1] - 1]
         turn = 0.0, 0.0, 1.0, 0.0
         if tip[T_FURTHER] != 0.0:
@@ -225,15 +251,15 @@ def pose_sensitivities(
             turn = plate_turn(tip, loads[i], x, z, theta, work)
         pose[i, 0], pose[i, 1], pose[i, 2] = x, z, theta
         _unit_responses(work, m, tip, compliance[i], turn, W)
-        _reaction(basis, stations, loads[i], q[i], step)
+        _reaction(tables, stations, loads[i], q[i], step)
         if stiffness[0] >= 0 or stiffness[1] >= 0 or stiffness[2] >= 0:
-            _by_stiffness(basis, stations, q[i], W, spare[0], spare[1], spare[2])
+            _by_stiffness(tables, stations, q[i], W, spare[0], spare[1], spare[2])
             for k in range(3):
                 if stiffness[k] >= 0:
                     by[i, :, stiffness[k]] = spare[k]
         for k in range(which.shape[0]):
             own = c_stations[k], c_tip[k], c_q_rest[k]
-            turned = _residual_change(basis, *own, loads[i], q[i], step[:3], c_q, c_res, c_K)
+            turned = _residual_change(tables, *own, loads[i], q[i], step[:3], c_q, c_res, c_K)
             for row in range(3):
                 total = turned.imag if row == 2 else 0.0
                 for a in range(q.shape[1]):

@@ -5,6 +5,7 @@ import numpy as np
 from . import layout as at
 from ._jit import kernel, step_kernel
 from .trig import sincos
+from .user import added
 
 __all__ = ["force_slopes", "plate_turn", "tendon", "tendon_directions", "tendon_forces", "tip_wrench"]
 
@@ -90,6 +91,12 @@ def _head_wrench(tip, loads, x, z, theta, wrench, K):
     wrench[2] = loads[at.L_TAU] + s_z * w_x - s_x * w_z + m_l + m_r - k_t * theta - stop
     K[0], K[1], K[2], K[3], K[4] = xx_l + xx_r, zx_l + zx_r, zz_l + zz_r + k_z, tx_l + tx_r, tz_l + tz_r
     K[5] = s_x * w_x + s_z * w_z + tt_l + tt_r + k_t + stop_tt
+    if tip[at.T_LAW] != 0.0:
+        forces, by = added(x, z, theta, tip[at.T_LAW], tip[at.T_USER :], 1.0)
+        for i in range(3):
+            wrench[i] += forces[i]
+        K[0], K[1], K[2] = K[0] - by[0], K[1] - by[1], K[2] - by[3]
+        K[3], K[4], K[5] = K[3] - by[2], K[4] - by[4], K[5] - by[5]
     return shortest
 
 

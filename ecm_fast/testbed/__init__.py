@@ -9,15 +9,22 @@ is shared with the finite element model, so a model may be tested on these measu
 5
 """
 
+from .designs import DESIGNS, design
 from .equilibria import Equilibria, Outcome, equilibria
 from .experiments import compression_test, in_sequence, mass_test, shear_test, tendon_test, tilt_test
+from .laws import BUILT_IN
+from .outside import OUTSIDE
 from .sensors import Sensors, measure, readings
 
 __all__ = [
+    "BUILT_IN",
+    "DESIGNS",
+    "OUTSIDE",
     "Equilibria",
     "Outcome",
     "Sensors",
     "compression_test",
+    "design",
     "equilibria",
     "in_sequence",
     "mass_test",

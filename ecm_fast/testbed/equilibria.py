@@ -7,6 +7,7 @@ no section between clamp and tip is conjugate to the clamp (the beam does not bu
 stiffness that the head feels is positive definite.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
@@ -17,7 +18,8 @@ from numpy.typing import NDArray
 from ..data import Measurements
 from ..errors import InputError
 from ..mechanism import Mechanism
-from .laws import Parameters, Rows, acting, named, tip_wrench
+from .history import Past, aged, needs_past, tendon_forces
+from .laws import Parameters, Rows, chosen, length, named, plate, tip_wrench
 from .strong_form import differentiated, integrate
 
 __all__ = ["Equilibria", "Outcome", "equilibria"]
@@ -84,29 +86,48 @@ class Equilibria:
         return f"<Equilibria of {len(self.outcome)} rows: {counts}>"
 
 
-def equilibria(mechanism: Mechanism, loads: Measurements, *, load_steps: int = 1) -> Equilibria:
+def equilibria(
+    mechanism: Mechanism, loads: Measurements, *, load_steps: int = 1, hidden: Mapping[str, float] | None = None
+) -> Equilibria:
     """Return where the neck comes to rest under the loads of every row.
 
     Parameters
     ----------
     mechanism : what is built, effects included
-    loads : forces, wrenches and what was changed on the test bed; its poses are not read
+    loads : forces as the cells read them without noise, wrenches and what was changed on the test bed, in the order
+        of measurement; its poses are not read
     load_steps : how many equal steps the load is first tried in; a step that fails is halved
+    hidden : sizes of effects of `OUTSIDE`, which no mechanism can have
 
     Raises
     ------
-    InputError : the mechanism has an effect that the test bed has no law for.
+    InputError : an effect that the test bed has no law for.
     """
-    p = named(mechanism)
-    n = loads.n
-    rows = Rows(acting(p, loads).T, loads.wrench.T, loads.extra_mass, loads.tilt, np.ones(n))
-    unknown, slope, pose = np.zeros((3, n)), np.zeros((3, n)), np.full((3, n), np.nan)
+    p = named(mechanism, hidden)
+    found, unknown = _followed(p, loads, tendon_forces(p, loads), load_steps, np.zeros((3, loads.n)))
+    if not needs_past(p):
+        return found
+    past = Past.of(p, loads, found.pose)
+    return _followed(aged(p, past), loads, tendon_forces(p, loads, past), load_steps, unknown)[0]
+
+
+def _followed(
+    p: Parameters, loads: Measurements, lam: Array, load_steps: int, slope: Array
+) -> tuple[Equilibria, Array]:
+    """Follow every row's branch from the unloaded beam; returns the unknowns (3, n) too.
+
+    lam : (2, n) forces that the tendons exert
+    slope : (3, n) how the unknowns are expected to grow with the load
+    """
+    n, slope = loads.n, slope.copy()
+    rows = Rows(lam, loads.wrench.T, loads.extra_mass, loads.tilt, np.ones(n))
+    unknown, pose = np.zeros((3, n)), np.full((3, n), np.nan)
     factor, step = np.zeros(n), np.full(n, 1.0 / load_steps)
     outcome = np.full(n, Outcome.LOST, dtype=np.int64)
     while (which := np.flatnonzero((factor < 1.0) & (step >= _SMALLEST_LOAD_STEP))).size:
         aim = np.minimum(factor[which] + step[which], 1.0)
         guess = unknown[:, which] + slope[:, which] * (aim - factor[which])
-        found, there, verdict = _newton(p, rows.select(which).grown_to(aim), guess)
+        found, there, verdict = _newton(chosen(p, which), rows.select(which).grown_to(aim), guess)
         good = verdict == Outcome.STABLE
         outcome[which] = verdict
         done = which[good]
@@ -114,7 +135,7 @@ def equilibria(mechanism: Mechanism, loads: Measurements, *, load_steps: int = 1
         unknown[:, done], pose[:, done], factor[done] = found[:, good], there[:, good], aim[good]
         step[which] *= np.where(good, 2.0, 0.5)
     pose[:, outcome != Outcome.STABLE] = np.nan
-    return Equilibria(pose.T.copy(), outcome, factor, loads)
+    return Equilibria(pose.T.copy(), outcome, factor, loads), unknown
 
 
 def _newton(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, Array, NDArray[np.int64]]:
@@ -126,11 +147,11 @@ def _newton(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, Array, ND
     n = unknown.shape[1]
     unknown, pose, last = unknown.copy(), np.full((3, n), np.nan), np.full(n, np.inf)
     outcome, active = np.full(n, Outcome.LOST, dtype=np.int64), np.arange(n)
-    L, EI = p["beam.length"], p["beam.EI"]
+    L, EI = length(p), float(np.mean(p["beam.EI"]))
     unit = np.array([[EI / L**2], [EI / L**2], [EI / L]])
     far = np.array(_FAR)[:, None] * [[L], [L], [1.0]]
     for _ in range(_ITERATIONS):
-        step, here, by_unknown, stable = _shoot(p, rows.select(active), unknown[:, active])
+        step, here, by_unknown, stable = _shoot(chosen(p, active), rows.select(active), unknown[:, active])
         size = np.abs(step / unit).max(axis=0)
         outcome[active[~stable]] = Outcome.UNSTABLE
         unknown[:, active] += step
@@ -150,17 +171,17 @@ def _shoot(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, Array, Arr
     """Newton's step (3, n), pose of Q (3, n), its derivative by the unknowns (3, 3, n), and whether it is stable."""
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # a row that leaves the laws' domain is nan
         path, sound = integrate(p, rows, unknown)
-        tip, by_unknown = path[:, 0, :, -1], path[:3, 1:, :, -1]
-        thrice = rows.select(np.tile(np.arange(tip.shape[1]), 3))
-        wrench, load_stiffness = differentiated(lambda pose: tip_wrench(p, thrice, pose), tip[:3])
-        residual = np.stack([unknown[0], unknown[1], tip[3]]) - wrench
+        head = plate(p, path[..., -1])
+        pose, by_unknown = head[:, 0], head[:, 1:]
+        wrench, load_stiffness = differentiated(lambda at: tip_wrench(p, rows, at), pose)
+        residual = np.stack([unknown[0], unknown[1], path[3, 0, :, -1]]) - wrench
         internal = np.stack([_ones(0, unknown), _ones(1, unknown), path[3, 1:, :, -1]])
         jacobian = internal - np.einsum("ijn,jkn->ikn", load_stiffness, by_unknown)
         sound &= np.isfinite(jacobian).all(axis=(0, 1)) & np.isfinite(residual).all(axis=0)
         jacobian[:, :, ~sound] = np.eye(3)[:, :, None]
         step = -np.linalg.solve(np.moveaxis(jacobian, 2, 0), residual.T[..., None])[..., 0].T
-        stable = sound & _is_stable(path, jacobian, by_unknown, p["beam.length"])
-    return step, tip[:3], by_unknown, stable
+        stable = sound & _is_stable(path, jacobian, by_unknown, length(p))
+    return step, pose, by_unknown, stable
 
 
 def _ones(place: int, unknown: Array) -> Array:

@@ -12,9 +12,10 @@ from ..data_columns import COLUMNS
 from ..effects import CATALOGUE
 from ..errors import InputError, shown
 from ..mechanism import Effects, Mechanism
-from .laws import named, section
+from .laws import named
+from .section import section
 
-__all__ = ["compression_test", "in_sequence", "mass_test", "shear_test", "tendon_test", "tilt_test"]
+__all__ = ["compression_test", "in_sequence", "mass_test", "shear_test", "table", "tendon_test", "tilt_test"]
 
 Array = NDArray[np.float64]
 
@@ -54,13 +55,13 @@ def tendon_test(
     _check("replicated", replicated, 0 <= replicated <= len(lam), f"a whole number from 0 to {len(lam)}")
     again = np.repeat(rng.permutation(len(lam))[:replicated], replicates - 1)
     load = rng.permutation(np.concatenate([np.arange(len(lam)), again]))
-    return _table("tendon", {"lam_l_N": lam[load, 0], "lam_r_N": lam[load, 1]}, load, dwell)
+    return table("tendon", {"lam_l_N": lam[load, 0], "lam_r_N": lam[load, 1]}, load, dwell)
 
 
 def shear_test(forces: ArrayLike, *, dwell: float = 10.0) -> Measurements:
     """Return side forces fz at Q [N], one a row, tendons off."""
     fz = _vector("forces", forces)
-    return _table("shear", {"fz_N": fz}, np.arange(fz.size), dwell)
+    return table("shear", {"fz_N": fz}, np.arange(fz.size), dwell)
 
 
 def compression_test(
@@ -95,7 +96,7 @@ def compression_test(
     )
     stretch = 1.0 - np.linspace(0.0, shortening, n)
     fx = section(named(specimen), 0.0, np.stack([stretch, 0.0 * stretch, 0.0 * stretch]))[0]
-    return specimen, _table("compression", {"fx_N": fx}, np.arange(n), dwell)
+    return specimen, table("compression", {"fx_N": fx}, np.arange(n), dwell)
 
 
 def tilt_test(tilts: ArrayLike, lam: ArrayLike = ((0.0, 0.0),), *, dwell: float = 10.0) -> Measurements:
@@ -116,15 +117,15 @@ def in_sequence(*tables: Measurements) -> Measurements:
     if not tables:
         raise InputError("no experiments to do in sequence; name at least one")
     columns: dict[str, Any] = {
-        column.names[0]: np.concatenate([getattr(table, name) for table in tables]) for name, column in COLUMNS.items()
+        column.names[0]: np.concatenate([getattr(one, name) for one in tables]) for name, column in COLUMNS.items()
     }
-    ends = np.cumsum([table.t[-1] + _BETWEEN for table in tables])
-    begins = np.repeat([0.0, *ends[:-1]], [table.n for table in tables])
-    session = np.repeat(np.arange(len(tables)) + 1, [table.n for table in tables])
+    ends = np.cumsum([one.t[-1] + _BETWEEN for one in tables])
+    begins = np.repeat([0.0, *ends[:-1]], [one.n for one in tables])
+    session = np.repeat(np.arange(len(tables)) + 1, [one.n for one in tables])
     columns["t_s"] = columns["t_s"] + begins
     columns["session"] = [str(number) for number in session]
     columns["pose_id"] = [f"{number}: {label}" for number, label in zip(session, columns["pose_id"], strict=True)]
-    return Measurements.from_columns(columns, source=" and ".join(dict.fromkeys(table.source for table in tables)))
+    return Measurements.from_columns(columns, source=" and ".join(dict.fromkeys(one.source for one in tables)))
 
 
 def _changed(experiment: str, name: str, values: Array, lam: ArrayLike, dwell: float) -> Measurements:
@@ -132,15 +133,16 @@ def _changed(experiment: str, name: str, values: Array, lam: ArrayLike, dwell: f
     _check("lam", pairs.tolist(), pairs.ndim == 2 and pairs.shape[-1:] == (2,), "pairs of tendon forces, shape (k, 2)")
     change, left = np.repeat(values, len(pairs)), np.tile(pairs, (values.size, 1))
     columns = {name: change, "lam_l_N": left[:, 0], "lam_r_N": left[:, 1]}
-    return _table(experiment, columns, np.arange(change.size), dwell)
+    return table(experiment, columns, np.arange(change.size), dwell)
 
 
-def _table(
-    experiment: str, columns: dict[str, Any], load: Sequence[int] | NDArray[np.int64], dwell: float
+def table(
+    experiment: str, columns: dict[str, Any], load: Sequence[int] | NDArray[np.int64], dwell: float | Array
 ) -> Measurements:
     """Return a table of loads; rows with the same entry in `load` repeat one load."""
     n = len(load)
-    times = {"t_s": (dwell + _BETWEEN) * np.arange(1, n + 1) - _BETWEEN, "dwell_s": np.full(n, dwell)}
+    held = np.broadcast_to(np.asarray(dwell, dtype=np.float64), n)
+    times = {"t_s": np.cumsum(held + _BETWEEN) - _BETWEEN, "dwell_s": held}
     labels = {"experiment": [experiment] * n, "pose_id": [f"{experiment} {i + 1}" for i in load], "session": ["1"] * n}
     return Measurements.from_columns({**columns, **times, **labels}, source=f"{experiment} test")
 

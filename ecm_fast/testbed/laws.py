@@ -1,12 +1,11 @@
-"""The physics of the test bed, each law once; every effect it can build in is written here and nowhere else.
+"""The physics of the test bed outside the beam: its parameters, tendons, ends, weights, surroundings.
 
-To build in another effect, name it in `BUILT_IN` and change the one function it belongs to: `stiffness` (a profile
-along the beam), `section` (a law of the cross-section), `clamp` (how the foot gives way), `acting` (tendon forces
-that depend on what came before), `tip_wrench` (what pulls at the head) or `camera` (what the camera makes of a pose).
-No law needs a derivative: `section`, `clamp` and `tip_wrench` take complex arguments, and the complex step
-differentiates them to rounding.
+Every effect is written in one place: laws of the cross-section in `section`, the camera's in `camera`, those of what
+came before in `history`, what no catalogue knows in `outside`, all others here. No law needs a derivative: they take
+complex arguments, and the complex step differentiates them to rounding.
 
-`p` is a mapping from a parameter's key to its value, see `named`; the last axis of every array is that of the rows.
+`p` is a mapping from a parameter's key to its value, see `named`: a number, or an array with one entry a row where the
+rows differ. The last axis of every array is that of the rows.
 """
 
 from collections.abc import Mapping
@@ -15,23 +14,22 @@ from typing import Any
 
 import numpy as np
 
-from ..data import Measurements
-from ..effects import CATALOGUE
+from ..effects import camera, ends, environment, forces, geometry, path, section
 from ..errors import InputError
 from ..mechanism import EFFECT_QUANTITIES, SECTIONS, Mechanism
+from . import outside
 
 __all__ = [
     "BUILT_IN",
     "Parameters",
     "Rows",
-    "acting",
     "beam_weight",
-    "camera",
+    "chosen",
     "clamp",
-    "jumps",
+    "length",
     "named",
-    "section",
-    "stiffness",
+    "plate",
+    "tendon_lengths",
     "tip_wrench",
 ]
 
@@ -39,21 +37,11 @@ Array = Any  # NumPy arrays, real or complex
 Parameters = Mapping[str, Any]
 
 BUILT_IN = frozenset(
-    {
-        "precurvature",
-        "neutral_axis_offset",
-        "stiffness_taper",
-        "soft_spot",
-        "clamp_tilt",
-        "pulley_height",
-        "pulley_height_asymmetry",
-        "pulley_spacing",
-        "pulley_shift",
-        "gravity_tilt",
-        "head_mass",
-    }
+    effect.name for family in (section, ends, geometry, forces, environment, camera, path) for effect in family.EFFECTS
 )
-"""The effects of the catalogue that the laws below hold."""
+"""The effects that the laws hold: those the package ships with, not those that a user adds at run time."""
+
+_SIDES = (1.0, -1.0)  # left, right
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +54,7 @@ class Rows:
     wrench : (3, n) dead wrench at Q: fx, fz [N], tau [N m]
     extra_mass : (n,) mass added at the head's center of mass [kg]
     tilt : (n,) by how much gravity is turned [rad]
-    share : (n,) share of weight that acts, below 1 while the load grows [-]
+    share : (n,) share of weight and side force that acts, below 1 while the load grows [-]
     """
 
     lam: Array
@@ -84,62 +72,55 @@ class Rows:
         return Rows(**{entry.name: getattr(self, entry.name)[..., which] for entry in fields(self)})
 
 
-def named(mechanism: Mechanism) -> dict[str, Any]:
-    """Return every number of a mechanism by its key, effects that are absent included.
+def named(mechanism: Mechanism, hidden: Mapping[str, float] | None = None) -> dict[str, Any]:
+    """Return every number of a mechanism by its key, effects that are absent and those of `outside` included.
 
     Raises
     ------
     InputError : the mechanism has an effect that no law here holds; the measurements would lack it silently.
     """
-    for effect in CATALOGUE.values():
-        present = [entry for entry in effect if entry.name in mechanism.effects]
-        if present and effect.name not in BUILT_IN:
-            key, value = present[0].key, mechanism.effects[present[0].name]
-            raise InputError(f"{key} = {value:g}: the test bed has no law for it; allowed are "
+    for name, value in mechanism.effects.items():
+        if name.partition(".")[0] not in BUILT_IN:
+            raise InputError(f"effects.{name} = {value:g}: the test bed has no law for it; allowed are "
                              f"{', '.join(sorted(BUILT_IN))}")  # fmt: skip
     values = {entry.key: mechanism.effects.get(name, entry.default) for name, entry in EFFECT_QUANTITIES.items()}
     for name, part in SECTIONS.items():
         values |= {f"{name}.{item.name}": getattr(getattr(mechanism, name), item.name) for item in fields(part)}
-    return values
+    return values | outside.named(hidden or {})
 
 
-def stiffness(p: Parameters, s: float) -> tuple[Any, Any, Any]:
-    """EA [N], GA [N] and EI [N m^2] at the undeformed arclength `s` [m] from the clamp."""
-    L, middle = p["beam.length"], p["effects.soft_spot.place"]
-    soft = p["effects.soft_spot.size"] if abs(s - middle * L) < p["effects.soft_spot.width"] / 2.0 else 0.0
-    share = (1.0 + p["effects.stiffness_taper"] * (2.0 * s / L - 1.0)) * (1.0 - soft)
-    return p["beam.EA"] * share, p["beam.GA"] * share, p["beam.EI"] * share
+def chosen(p: Parameters, which: Array) -> Parameters:
+    """Return the parameters of some of the rows."""
+    return {key: value[which] if isinstance(value, np.ndarray) else value for key, value in p.items()}
 
 
-def jumps(p: Parameters) -> list[float]:
-    """Arclengths between clamp and tip at which `stiffness` jumps [m], in order."""
-    L, half = p["beam.length"], p["effects.soft_spot.width"] / 2.0
-    if p["effects.soft_spot.size"] == 0.0 or half == 0.0:
-        return []
-    middle = p["effects.soft_spot.place"] * L
-    return [s for s in (middle - half, middle + half) if 0.0 < s < L]
+def length(p: Parameters) -> float:
+    """Return the length of the undeformed beam [m]."""
+    return float(p["beam.length"] + p["effects.beam_length"])
 
 
-def section(p: Parameters, s: float, strains: Array) -> Array:
-    """Contact force N, Q [N] and couple M [N m], (3, ...), of the strains gamma_x, gamma_z, kappa, (3, ...).
-
-    Of the energy W(gamma_x + e kappa) + GA gamma_z^2/2 + EI (kappa - kappa_0)^2/2, with e the neutral axis offset.
-    Source of the laws for e = kappa_0 = 0: the paper, (19).
-    """
-    EA, GA, EI = stiffness(p, s)
-    gamma_x, gamma_z, kappa = strains
-    e = p["effects.neutral_axis_offset"]
-    stretch = gamma_x + e * kappa
-    N = EA * (stretch - 1.0) if p["beam.axial_law"] == "hooke" else EA / 3.0 * (stretch - 1.0 / (stretch * stretch))
-    return np.stack([N, GA * gamma_z, EI * (kappa - p["effects.precurvature"]) + e * N])
+# --- both ends of the beam
 
 
 def clamp(p: Parameters, force: Array, couple: Array) -> Array:
-    """Pose of the beam's foot, (3, ...), under the force (2, ...) and couple (...) that the beam exerts there.
+    """Pose of the beam's foot, (3, ...), under the force (2, ...) and couple (...) that the beam exerts there."""
+    gives_way = (
+        p["effects.clamp_axial_compliance"] * force[0],
+        p["effects.clamp_lateral_compliance"] * force[1],
+        p["effects.clamp_rotation_compliance"] * couple,
+    )
+    return np.stack([gives_way[0], gives_way[1], p["effects.clamp_tilt"] + gives_way[2]])
 
-    Today the foot does not give way.
+
+def plate(p: Parameters, tip: Array) -> Array:
+    """Pose of the head plate, (3, ...), from x, z, theta, M of the tip section, (4, ...); Q is in the joint.
+
+    It is linear: what it does to the tip it does to the tip's derivatives.
     """
-    return np.stack([0.0 * couple, 0.0 * couple, p["effects.clamp_tilt"] + 0.0 * couple])
+    return np.stack([tip[0], tip[1], tip[2] + p["effects.plate_joint_compliance"] * tip[3]])
+
+
+# --- weights
 
 
 def _gravity(p: Parameters, rows: Rows) -> Array:
@@ -150,57 +131,96 @@ def _gravity(p: Parameters, rows: Rows) -> Array:
 
 def beam_weight(p: Parameters, rows: Rows) -> Array:
     """Weight per undeformed length, (2, n) [N/m]."""
-    return p["beam.mass_per_length"] * _gravity(p, rows)
+    return (p["beam.mass_per_length"] + p["effects.beam_mass"]) * _gravity(p, rows)
 
 
-def acting(p: Parameters, loads: Measurements) -> Array:
-    """Forces that the tendons exert on the head, (n, 2) [N]; the rows of `loads` are in the order of loading.
-
-    Today nothing of the force at the motors is lost on the way.
-    """
-    return loads.lam
+# --- what acts at the head
 
 
 def tip_wrench(p: Parameters, rows: Rows, pose: Array) -> Array:
-    """Wrench at Q, (3, n): f_x, f_z [N] and tau [N m] of the dead wrench, the tendons and the head's weight."""
+    """Wrench at Q, (3, ...): f_x, f_z [N] and tau [N m] of all that acts at the head in a pose of the plate."""
     mass = p["head.mass"] + p["effects.head_mass"] + rows.extra_mass
-    wrench = rows.wrench + _force_at(pose, p["head.h"], p["head.b"], mass * _gravity(p, rows))
-    for lam, side in zip(rows.lam, (1.0, -1.0), strict=True):
-        attached = side * p["tendons.plate_half_width"]
-        pull = np.where(lam == 0.0, 0.0, lam * _direction(p, side, _lever(pose, 0.0, attached) + pose[:2]))
-        wrench = wrench + _force_at(pose, 0.0, attached, pull)
-    return wrench
+    height, sideways = p["head.h"] + p["effects.head_com_height"], p["head.b"] + p["effects.head_com_sideways"]
+    weight = _force_at(pose, height, sideways, _spread(pose, mass * _gravity(p, rows)))
+    wrench = _spread(pose, rows.wrench) + weight
+    for lam, side in zip(rows.lam, _SIDES, strict=True):
+        along, across = _attachment(p, side, lam)
+        pull = np.where(lam == 0.0, 0.0, lam * _direction(p, side, _lever(pose, along, across) + pose[:2]))
+        wrench = wrench + _force_at(pose, along, across, pull)
+    return wrench + _surroundings(p, rows, pose)
 
 
-def _lever(pose: Array, along: float, across: float) -> Array:
-    """Vector from Q to a point of the head, (2, n)."""
+def _spread(pose: Array, vector: Array) -> Array:
+    """Return vectors (k, n) with as many axes as the pose has, which is probed in several directions at once."""
+    return vector[:, None] if pose.ndim == 3 else vector
+
+
+def _surroundings(p: Parameters, rows: Rows, pose: Array) -> Array:
+    """Wrench at Q, (3, ...), of cables, springs and stops."""
+    _, z, theta = pose
+    side = p["effects.side_force"] * rows.share - p["effects.lateral_spring"] * z + outside.wall(p, z)
+    turn = -p["effects.rotational_spring"] * theta
+    both, one = "effects.contact_stop", "effects.contact_stop_one_sided"
+    turn = turn - p[f"{both}.stiffness"] * (_beyond(theta, p[f"{both}.angle"]) - _beyond(-theta, p[f"{both}.angle"]))
+    turn = turn - p[f"{one}.stiffness"] * _beyond(theta, p[f"{one}.angle"])
+    return np.stack([0.0 * side, side, turn])
+
+
+def _beyond(value: Array, threshold: float) -> Array:
+    """How far a value is above a threshold, 0 where it is not."""
+    return np.where(value.real > threshold, value - threshold, 0.0)
+
+
+def _lever(pose: Array, along: Array, across: Array) -> Array:
+    """Vector from Q to a point of the head, (2, ...)."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return np.stack([along * c + across * s, across * c - along * s])
 
 
-def _force_at(pose: Array, along: float, across: float, force: Array) -> Array:
-    """Wrench at Q of a force at a point of the head, (3, n)."""
+def _force_at(pose: Array, along: Array, across: Array, force: Array) -> Array:
+    """Wrench at Q of a force at a point of the head, (3, ...)."""
     r = _lever(pose, along, across)
-    return np.stack([force[0], force[1], r[1] * force[0] - r[0] * force[1]])
+    couple = r[1] * force[0] - r[0] * force[1]
+    return np.stack([force[0] + 0.0 * couple, force[1] + 0.0 * couple, couple])
+
+
+# --- tendons
+
+
+def _attachment(p: Parameters, side: float, lam: Array) -> tuple[Array, Array]:
+    """Where a tendon of the force `lam` is attached, along e_x^H and e_z^H from Q [m]; `side` 1 left, -1 right."""
+    along = p["effects.attachment_height"] + outside.flexure(p, lam)
+    arm = p["tendons.plate_half_width"] + p["effects.lever_arm"] + side * p["effects.lever_arm_asymmetry"] / 2.0
+    across = side * arm
+    c, s = np.cos(p["effects.plate_misalignment"]), np.sin(p["effects.plate_misalignment"])
+    return along * c + across * s, across * c - along * s
+
+
+def _pulley(p: Parameters, side: float) -> tuple[float, float]:
+    """Place of a pulley's center, x and z [m]."""
+    x = p["tendons.pulley_x"] + p["effects.pulley_height"] + side * p["effects.pulley_height_asymmetry"] / 2.0
+    z = side * (p["tendons.pulley_z"] + p["effects.pulley_spacing"]) + p["effects.pulley_shift"]
+    return x, z
 
 
 def _direction(p: Parameters, side: float, attachment: Array) -> Array:
-    """Unit vector, (2, n), from a tendon's attachment to where it meets its pulley; `side` 1 left, -1 right.
+    """Unit vector, (2, ...), from a tendon's attachment to where it meets its pulley.
 
     The line of sight to the pulley's center, turned outwards by the angle under which the radius is seen.
     """
-    x = p["tendons.pulley_x"] + p["effects.pulley_height"] + side * p["effects.pulley_height_asymmetry"] / 2.0
-    z = side * (p["tendons.pulley_z"] + p["effects.pulley_spacing"]) + p["effects.pulley_shift"]
+    x, z = _pulley(p, side)
     v_x, v_z = x - attachment[0], z - attachment[1]
     distance = np.sqrt(v_x * v_x + v_z * v_z)
-    sine = side * p["tendons.pulley_radius"] / distance
+    sine = side * (p["tendons.pulley_radius"] + p["effects.pulley_radius"]) / distance
     cosine = np.sqrt(1.0 - sine * sine)
     return np.stack([cosine * v_x + sine * v_z, cosine * v_z - sine * v_x]) / distance
 
 
-def camera(p: Parameters, pose: Array, loads: Measurements) -> Array:
-    """Poses (n, 3) as a camera without noise sees them; the rows are in the order of measurement.
-
-    Today it sees them as they are.
-    """
-    return pose
+def tendon_lengths(p: Parameters, pose: Array) -> Array:
+    """Distances from the attachments to the centers of the pulleys, left and right, (2, n) [m], in poses (3, n)."""
+    lengths = []
+    for side in _SIDES:
+        x, z = _pulley(p, side)
+        v_x, v_z = _lever(pose, *_attachment(p, side, 0.0)) + pose[:2]
+        lengths.append(np.hypot(x - v_x, z - v_z))
+    return np.stack(lengths)

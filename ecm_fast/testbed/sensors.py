@@ -1,6 +1,7 @@
 """The instruments: what a camera and two force cells make of the truth, errors included."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -11,8 +12,9 @@ from ..data import Measurements
 from ..data_columns import COLUMNS
 from ..errors import InputError, shown
 from ..mechanism import Mechanism
+from .camera import seen
 from .equilibria import Equilibria, equilibria
-from .laws import camera, named
+from .laws import named
 
 __all__ = ["Sensors", "measure", "readings"]
 
@@ -98,25 +100,41 @@ def _is_number(name: str, value: object) -> bool:
     return math.isfinite(value) or (name == "tail_dof" and value == math.inf)
 
 
-def measure(mechanism: Mechanism, loads: Measurements, sensors: Sensors | None = None, seed: Seed = 0) -> Measurements:
+def measure(
+    mechanism: Mechanism,
+    loads: Measurements,
+    sensors: Sensors | None = None,
+    seed: Seed = 0,
+    *,
+    hidden: Mapping[str, float] | None = None,
+) -> Measurements:
     """Load the neck row by row and read the instruments.
 
     Parameters
     ----------
     mechanism : what is built; its effects are what there is to find
-    loads : the true loads of every row, in the order of measurement; its poses are not read
+    loads : the loads of every row as ideal cells read them, in the order of measurement; its poses are not read
     sensors : the instruments; default white camera noise
     seed : of all random numbers
+    hidden : sizes of effects of `OUTSIDE`
 
     Raises
     ------
     InputError : a row has no stable equilibrium (names the row and how much of its load was reached), or the
         mechanism has an effect that the test bed has no law for.
     """
-    return readings(mechanism, equilibria(mechanism, loads).raise_if_failed(), sensors, seed)
+    found = equilibria(mechanism, loads, hidden=hidden).raise_if_failed()
+    return readings(mechanism, found, sensors, seed, hidden=hidden)
 
 
-def readings(mechanism: Mechanism, found: Equilibria, sensors: Sensors | None = None, seed: Seed = 0) -> Measurements:
+def readings(
+    mechanism: Mechanism,
+    found: Equilibria,
+    sensors: Sensors | None = None,
+    seed: Seed = 0,
+    *,
+    hidden: Mapping[str, float] | None = None,
+) -> Measurements:
     """Read the instruments once more at equilibria that are known; where there is none, the pose is blank.
 
     Each instrument and each kind of error has its own stream of random numbers: to switch one on leaves the rest.
@@ -124,8 +142,8 @@ def readings(mechanism: Mechanism, found: Equilibria, sensors: Sensors | None = 
     use, loads = sensors or Sensors(), found.loads
     streams = dict(zip(("camera", "force", "outlier"), np.random.default_rng(seed).spawn(3), strict=True))
     lam = _force_cells(use, loads.lam, _elapsed(loads), streams["force"])
-    seen = camera(named(mechanism), found.pose, loads)
-    pose = _camera(use, seen, _elapsed(loads), streams["camera"], streams["outlier"])
+    picture = seen(named(mechanism, hidden), found.pose, loads)
+    pose = _camera(use, picture, _elapsed(loads), streams["camera"], streams["outlier"])
     known = (*use.camera_sigma, use.force_sigma)
     sigmas: dict[str, Any] = {
         name: np.full(loads.n, sigma if use.declared and sigma > 0.0 else math.nan)

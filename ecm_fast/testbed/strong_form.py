@@ -14,13 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .laws import Parameters, Rows, beam_weight, clamp, jumps, section
+from .laws import Parameters, Rows, beam_weight, clamp, length
+from .section import jumps, section
 
 __all__ = ["differentiated", "integrate"]
 
 Array = NDArray[Any]
 
-_TOLERANCE = 1e-11  # of the integrator, relative and in units of the beam's own size
+_TOLERANCE = 3e-12  # of the integrator, relative and in units of the beam's own size
+_TANGENT = 1e-7  # that of the derivatives: they steer Newton's method and do not enter the pose
 _MOST_TURNS = 1e2  # [rad]; an iterate that curls up more is stopped, lest all rows wait for it
 _SECTION_STEPS = 40
 _INSIDE = 1e-12  # share of the length; a piece of the beam never asks for the stiffness beyond its own ends
@@ -36,7 +38,7 @@ def integrate(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, NDArray
     """
     from scipy.integrate import solve_ivp
 
-    L, EI = p["beam.length"], p["beam.EI"]
+    L, EI = length(p), float(np.mean(p["beam.EI"]))
     n = unknown.shape[1]
     weight = beam_weight(p, rows)
     beam = _Beam(p, unknown[:2], weight, L)
@@ -46,11 +48,12 @@ def integrate(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, NDArray
     start[:3, 0], start[3, 0] = foot, unknown[2]
     start[:3, 1:], start[3, 3] = by_unknown, 1.0
     size, unit = np.array([L, L, 1.0, EI / L]), np.array([1.0, EI / L**2, EI / L**2, EI / L])
-    absolute = np.repeat(_TOLERANCE * size[:, None] / unit, n)
+    relative = np.repeat(np.tile([_TOLERANCE, _TANGENT, _TANGENT, _TANGENT], 4), n)
+    absolute = relative * np.repeat(size[:, None] / unit, n)
     ends, states = [0.0, *jumps(p), L], [start.reshape(-1, 1)]
     for piece in pairwise(ends):
         beam.piece = piece[0] + _INSIDE * L, piece[1] - _INSIDE * L
-        path = solve_ivp(beam.slope, piece, states[-1][:, -1], method="DOP853", rtol=_TOLERANCE, atol=absolute)
+        path = solve_ivp(beam.slope, piece, states[-1][:, -1], method="DOP853", rtol=relative, atol=absolute)
         if not path.success:
             beam.sound[:] = False
         states.append(path.y[:, 1:] if path.y.shape[1] > 1 else path.y)
@@ -63,8 +66,8 @@ class _Beam:
     def __init__(self, p: Parameters, tip_force: Array, weight: Array, length: float) -> None:
         self.p, self.tip_force, self.weight, self.length = p, tip_force, weight, length
         n = tip_force.shape[1]
-        self.rest = _strains(p, 0.0, np.zeros((3, 1)), np.array([[1.0], [0.0], [0.0]]))[0]
-        self.strains = np.repeat(self.rest, n, axis=1)
+        self.rest = _strains(p, 0.0, np.zeros((3, n)), np.tile([[1.0], [0.0], [0.0]], n))[0]
+        self.strains = self.rest.copy()
         self.sound = np.ones(n, dtype=np.bool_)
         self.piece = 0.0, length
 
@@ -97,7 +100,7 @@ class _Beam:
         if lost.any():  # what cannot be followed stands still, so that the other rows can be
             self.sound &= ~lost
             out[:, :, lost] = 0.0
-            self.strains[:, lost] = self.rest
+            self.strains[:, lost] = self.rest[:, lost]
         return out.ravel()
 
 
@@ -106,7 +109,7 @@ def _strains(p: Parameters, s: float, contact: Array, strains: Array) -> tuple[A
 
     Newton's method on `section`, which is monotone; a step may at most halve the stretch, so that it stays positive.
     """
-    unit = np.array([[1.0], [1.0], [1.0 / p["beam.length"]]])
+    unit = np.array([[1.0], [1.0], [1.0 / length(p)]])
     for _ in range(_SECTION_STEPS):
         value, stiffness = differentiated(lambda at: section(p, s, at), strains)
         flexibility = _inverse(stiffness)
@@ -122,9 +125,8 @@ def _strains(p: Parameters, s: float, contact: Array, strains: Array) -> tuple[A
 
 
 def differentiated(law: Callable[[Array], Array], at: Array) -> tuple[Array, Array]:
-    """Value (3, n) of a law at (3, n) and its derivatives (3, 3, n); the law is given three copies of the rows."""
-    probes = at[:, None] + _PROBES
-    found = law(probes.reshape(3, -1)).reshape(probes.shape)
+    """Value (3, n) of a law at (3, n) and its derivatives (3, 3, n), the last but one axis that of the direction."""
+    found = law(at[:, None] + _PROBES)
     return found[:, 0].real, found.imag / _STEP
 
 

@@ -1,0 +1,80 @@
+"""``ecm-fast next``: which loads to measure next so that look-alikes come apart."""
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InputError, shown, why
+from ._answer import Answer, Command, saved
+from ._arguments import count, finite_number
+
+if TYPE_CHECKING:
+    from ..diagnosis.next_loads import NextLoads
+
+__all__ = ["COMMAND"]
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("result", metavar="RESULT", help="diagnose.json, as diagnose --out DIR writes it")
+    parser.add_argument("--minutes", type=finite_number, default=20.0, metavar="M", help="time there is; default 20")
+    parser.add_argument("--repeats", type=count, default=3, metavar="N", help="readings of each load; default 3")
+    parser.add_argument(
+        "--add-ons",
+        nargs="+",
+        metavar="NAME",
+        help="what can be mounted: nothing (the tendons alone), wrench, mass, tilt, tilt-back; default: all",
+    )
+
+
+def _run(args: argparse.Namespace) -> Answer:
+    from ..data import read_measurements
+    from ..diagnosis.next_loads import Pool, next_loads, rivals_of
+    from ..mechanism import Mechanism
+
+    result = _read(args.result)
+    inputs = result["inputs"]
+    neck = Mechanism.preset() if inputs["mechanism"] is None else Mechanism.from_toml(inputs["mechanism"])
+    data = [read_measurements(path) for path in inputs["data"]]
+    priors = {name: (float(value), float(std)) for name, (value, std) in inputs["priors"].items()}
+    sets = [entry["names"] for entry in result["models"] if entry["in_set"]]
+    pool = Pool.of(args.add_ons) if args.add_ons else None
+    sigma, force = result["noise"]["sigma"], result["noise"]["force"] or 0.0
+    rivals = rivals_of(neck, data, sets, priors=priors, force_sigma=force)
+    if len(rivals) < 2:
+        text = f"{rivals[0].name}: nothing to tell apart" if rivals else "no effect was found: nothing to tell apart"
+        answer: dict[str, Any] = {"set": [rival.name for rival in rivals], "next": []}
+        return Answer(answer, text, saved(args, answer))
+    known = [value or least for value, least in zip(sigma, (1e-4, 1e-4, 1e-3), strict=True)]
+    found = next_loads(rivals, data, sigma=known, force_sigma=force, minutes=args.minutes, repeats=args.repeats,
+                       priors=priors, pool=pool)  # fmt: skip
+    return Answer(found.to_json_dict(), _text(found), (*found.remarks, *saved(args, found.to_json_dict())))
+
+
+def _read(path: str) -> dict[str, Any]:
+    try:
+        result = json.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be read as the result of a diagnosis ({why(error)})") from None
+    missing = [name for name in ("inputs", "models", "noise") if not isinstance(result, dict) or name not in result]
+    if missing:
+        raise InputError(
+            f"{path}: has no {shown(missing[0])}; allowed is diagnose.json as diagnose --out DIR writes it"
+        )
+    return dict(result)
+
+
+def _text(found: "NextLoads") -> str:
+    lines = [f"to tell apart: {', '.join(found.names)}", f"now at least {found.worst_before:.1f} sigma apart"]
+    for i, entry in enumerate(found.suggestions, start=1):
+        loads = ", ".join(f"{name} {value:g}" for name, value in entry.loads.items())
+        mount = "" if entry.mount == "nothing" else f", mount: {entry.mount}"
+        lines.append(f"{i}. {entry.repeats} x ({loads}){mount}; {entry.minutes:.1f} min; "
+                     f"then {entry.promised_sigma:.1f} sigma")  # fmt: skip
+    if not found.suggestions:
+        lines.append("no load that fits into the time tells them apart")
+    lines += [f"one load with {name}: {sigma:.1f} sigma" for name, sigma in found.alone.items()]
+    return "\n".join(lines)
+
+
+COMMAND = Command("which loads to measure next so that look-alikes come apart", _add_arguments, _run)

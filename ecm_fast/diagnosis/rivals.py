@@ -1,0 +1,90 @@
+"""Explanations that data cannot tell apart, each fitted together with what calibration may move."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..data import Measurements
+from ..effects import CATALOGUE
+from ..errors import InputError, did_you_mean
+from ..identification import identify
+from ..mechanism import Mechanism
+from ..parameters import index, pack
+
+__all__ = ["STIFFNESSES", "Rival", "fitted_rivals", "rivals_of"]
+
+STIFFNESSES = ("EA", "GA", "EI")
+_MOST = 5
+"""Every ordered pair of them is refitted."""
+
+
+@dataclass(frozen=True)
+class Rival:
+    """One explanation of the data.
+
+    Attributes
+    ----------
+    names : of its effects
+    mechanism : with these effects and all else as fitted
+    free : parameters that it may adapt, EA, GA, EI and its sizes
+    """
+
+    names: tuple[str, ...]
+    mechanism: Mechanism
+    free: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """Its effects in words."""
+        return " and ".join(self.names) or "no effect"
+
+
+def fitted_rivals(
+    mechanism: Mechanism,
+    data: Sequence[Measurements],
+    sets: Sequence[Sequence[str]],
+    *,
+    priors: Mapping[str, tuple[float, float]] | None = None,
+    force_sigma: float | None = None,
+) -> list[Rival]:
+    """Return explanations of measurements, each fitted together with EA, GA and EI.
+
+    Parameters
+    ----------
+    mechanism : without them
+    data : what was measured on it
+    sets : names of effects; an empty one is the mechanism as it is
+    priors, force_sigma : as for `identify`
+
+    Raises
+    ------
+    InputError : no such effect, or the readings are too few.
+    """
+    rivals = []
+    for names in sets:
+        for name in names:
+            if name not in CATALOGUE:
+                raise InputError(f"no such effect: {name!r}{did_you_mean(str(name), CATALOGUE)}")
+        sizes = {CATALOGUE[name].size.key: CATALOGUE[name].size for name in names}
+        free = (*STIFFNESSES, *sizes)
+        start = mechanism.replace(**{
+            key: float(np.clip(pack(mechanism)[index(key)] + 0.1 * entry.typical, entry.lower, entry.upper))
+            for key, entry in sizes.items()
+        })  # fmt: skip
+        fit = identify([(start, part) for part in data], free, priors=priors, loss="huber", force_sigma=force_sigma)
+        rivals.append(Rival(tuple(names), fit.mechanism, free))
+    return rivals
+
+
+def rivals_of(
+    mechanism: Mechanism,
+    data: Sequence[Measurements],
+    sets: Sequence[Sequence[str]],
+    *,
+    priors: Mapping[str, tuple[float, float]] | None = None,
+    force_sigma: float | None = None,
+) -> list[Rival]:
+    """Return the first few explanations of a look-alike set, those of as many effects as the first one has."""
+    alike = [names for names in sets if len(names) == len(sets[0])]
+    return fitted_rivals(mechanism, data, alike[:_MOST], priors=priors, force_sigma=force_sigma)

@@ -1,0 +1,88 @@
+"""What all pictures of a diagnosis share: the rows as one table, channels with their units, how a map is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data import Measurements
+from ..diagnosis import Diagnosis
+from ..mechanism import Mechanism
+from ..parameters import find
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["CHANNELS", "MANY", "Story", "map_points", "row_columns"]
+
+Array = NDArray[np.float64]
+
+CHANNELS = (("x", "mm", 1e3), ("z", "mm", 1e3), ("θ", "mrad", 1e3))
+MANY = 400
+"""More points than these are drawn as pixels: as lines they would weigh more than the rest of the page."""
+
+
+@dataclass(frozen=True, eq=False)
+class Story:
+    """A diagnosis and the mechanism that it began with.
+
+    Attributes
+    ----------
+    found : the diagnosis
+    mechanism : as it was built, as far as is known
+    """
+
+    found: Diagnosis
+    mechanism: Mechanism
+
+    def joined(self, name: str) -> Any:
+        """Return a column of the measurements for all rows."""
+        return np.concatenate([getattr(part, name) for part in self.found.rows.data])
+
+    @property
+    def lam(self) -> Array:
+        """Tendon forces (n, 2) [N]."""
+        return np.column_stack([self.joined("lam_l"), self.joined("lam_r")])
+
+    @property
+    def pose(self) -> Array:
+        """Measured poses (n, 3) [m, m, rad]."""
+        return np.asarray(self.joined("pose"))
+
+    @property
+    def whole(self) -> NDArray[np.bool_]:
+        """Rows with all three residuals that were not left out, (n,)."""
+        rows = self.found.rows
+        return np.asarray(np.isfinite(rows.before).all(axis=1) & np.isfinite(rows.after).all(axis=1) & ~rows.outlier)
+
+    @property
+    def calibrated(self) -> Mechanism:
+        """The mechanism with what calibration found before anything was added."""
+        return self.mechanism.replace(**{find(name).key: entry.value for name, entry in self.found.before.items()})
+
+    @property
+    def data(self) -> tuple[Measurements, ...]:
+        """The measurements, one below the other."""
+        return self.found.rows.data
+
+
+def map_points(axes: Axes, u: Array, v: Array, values: Array, limit: float) -> Any:
+    """Draw colored points, blue for negative, red for positive values."""
+    return axes.scatter(u, v, c=values, s=14.0, cmap="RdBu_r", vmin=-limit, vmax=limit, edgecolors="#8a8f98",
+                        linewidths=0.25, rasterized=u.size > MANY)  # fmt: skip
+
+
+def row_columns(story: Story, rows: NDArray[np.bool_]) -> dict[str, Sequence[Any] | NDArray[Any]]:
+    """Return what identifies rows in the numbers of a picture."""
+    places = np.concatenate([part.rows for part in story.data])
+    source = np.repeat([part.source for part in story.data], [part.n for part in story.data])
+    return {
+        "source": source[rows],
+        "row": places[rows],
+        "lam_l_N": story.lam[rows, 0],
+        "lam_r_N": story.lam[rows, 1],
+    }

@@ -1,0 +1,43 @@
+"""What a camera without noise makes of poses: the marker's place, the picture, the camera's frame."""
+
+from typing import Any
+
+import numpy as np
+
+from ..data import Measurements
+from . import outside
+from .history import hours
+from .laws import Parameters
+
+__all__ = ["seen"]
+
+Array = Any
+
+
+def seen(p: Parameters, pose: Array, loads: Measurements) -> Array:
+    """Return the poses (n, 3) that the camera sees of the plate's poses (n, 3), rows in the order of measurement."""
+    dwell = np.where(np.isfinite(loads.dwell), loads.dwell, 0.0)
+    x, z, theta = outside.roll(p, outside.lag(p, pose.T, dwell), loads.lam.sum(axis=1))
+    x, z = _marker(p, x, z, theta)
+    x, z = _picture(p, x, z)
+    a, t = p["effects.camera_rotation"], hours(loads)
+    c, s = np.cos(a), np.sin(a)
+    x, z = x * c + z * s, z * c - x * s
+    x = x + p["effects.camera_x_offset"] + p["effects.camera_drift_x"] * t
+    z = z + p["effects.camera_z_offset"] + p["effects.camera_drift_z"] * t
+    return np.column_stack([x, z, theta + p["effects.marker_angle_offset"] + a])
+
+
+def _marker(p: Parameters, x: Array, z: Array, theta: Array) -> tuple[Array, Array]:
+    """Place of a marker that does not sit on Q."""
+    above, beside, c, s = p["effects.marker_lever_x"], p["effects.marker_lever_z"], np.cos(theta), np.sin(theta)
+    return x + above * c + beside * s, z - above * s + beside * c
+
+
+def _picture(p: Parameters, x: Array, z: Array) -> tuple[Array, Array]:
+    """Distortions one after the other: the lens, the view askew, the scales."""
+    lens = 1.0 + p["effects.lens_distortion"] * (x * x + z * z)
+    x, z = x * lens, z * lens
+    askew = 1.0 + p["effects.camera_keystone"] * z
+    scale, differ = 1.0 + p["effects.camera_scale"], 0.5 * p["effects.camera_anisotropy"]
+    return x * askew * scale * (1.0 + differ), z * askew * scale * (1.0 - differ)

@@ -1,0 +1,164 @@
+"""Each fault is made by hand in simulated data of a known neck; nothing is said of data that have none."""
+
+import numpy as np
+import pytest
+
+from ecm_fast import datasets
+from ecm_fast.data import Measurements
+from ecm_fast.diagnosis.checks import check, findings, thinned
+from ecm_fast.errors import InputError
+from ecm_fast.mechanism import Mechanism
+from ecm_fast.testbed import Sensors, in_sequence, measure, shear_test, tendon_test
+
+NECK = Mechanism()
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return measure(NECK, tendon_test(80, seed=1), Sensors(force_sigma=0.1), 1)
+
+
+def columns(data, **changes):
+    """Return the measurements with some columns renamed or changed: new name = (quantity, factor, offset)."""
+    names = {"lam_l_N": "lam_l", "lam_r_N": "lam_r", "fz_N": "fz", "x_m": "x", "z_m": "z", "theta_rad": "theta"}
+    table = {name: getattr(data, quantity) for name, quantity in names.items()}
+    extra = {"t_s": data.t, "dwell_s": data.dwell, "pose_id": data.pose_id, "sigma_lam_N": data.sigma_lam}
+    for name, (quantity, factor, offset) in changes.items():
+        table = {known: values for known, values in table.items() if names[known] != quantity} | {
+            name: factor * table.get(name, getattr(data, quantity)) + offset
+        }
+        names[name] = quantity
+    return Measurements.from_columns({**table, **extra}, source="run.csv")
+
+
+def kinds(mechanism, data):
+    return [finding.kind for finding in findings(mechanism, data)]
+
+
+@pytest.mark.parametrize("name", [name for name in datasets.available() if name.startswith("simulated_")])
+def test_nothing_is_refused_that_ships(name) -> None:
+    check(*datasets.load(name))
+
+
+def test_good_data_raise_no_finding(plain) -> None:
+    assert kinds(NECK, plain) == []
+
+
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        {"precurvature": 0.4},
+        {"pulley_shift": 4e-3, "EI": 2.7},
+        {"clamp_tilt": 0.02, "GA": 2000.0},
+        {"neutral_axis_offset": 2e-3},
+        {"EA": 6000.0, "EI": 3.5},
+    ],
+)
+def test_effects_of_twice_their_typical_size_are_no_wrong_label(hidden) -> None:
+    data = measure(NECK.replace(**hidden), tendon_test(80, seed=1), Sensors(force_sigma=0.1), 1)
+    assert not [finding for finding in findings(NECK, data) if finding.certain]
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"x_m": ("x", 1e3, 0.0)}, r"x_m: the median is 10\d where the model says 0.10\d; .* label it x_mm"),
+        ({"z_m": ("z", 1e3, 0.0)}, "z_m: .* millimetres; label it z_mm"),
+        ({"z_mm": ("z", 1.0, 0.0)}, "z_mm: .* metres; label it z_m"),
+        ({"x_cm": ("x", 1e3, 0.0)}, "x_cm: .* millimetres; label it x_mm"),
+        ({"x_m": ("x", 1e3, 0.0), "theta_rad": ("theta", 180 / np.pi, 0.0)}, "label it x_mm.*label it theta_deg"),
+        ({"theta_rad": ("theta", 180 / np.pi, 0.0)}, "theta_rad: .* degrees; label it theta_deg"),
+        ({"theta_deg": ("theta", 1.0, 0.0)}, "theta_deg: .* radians; label it theta_rad"),
+        ({"lam_l_N": ("lam_l", 1 / 9.81, 0.0), "lam_r_N": ("lam_r", 1 / 9.81, 0.0)}, "hold kgf; multiply them by 9.80"),
+        ({"lam_l_N": ("lam_l", 1e-3, 0.0), "lam_r_N": ("lam_r", 1e-3, 0.0)}, "hold kN; label them lam_l_kN"),
+        ({"lam_l_N": ("lam_r", 1.0, 0.0)}, "lam_l_N"),
+        ({"z_m": ("z", -1.0, 0.0)}, "z_m: its sign is the opposite"),
+        ({"theta_rad": ("theta", -1.0, 0.0)}, "theta_rad: its sign is the opposite"),
+        ({"x_m": ("x", 1.0, -0.109)}, "x_m: the readings lie -109 mm from the model.*take -109 mm off"),
+        ({"z_m": ("z", 1.0, 0.03)}, "z_m: the readings lie .*30.* mm from the model"),
+        ({"theta_rad": ("theta", 1.0, np.pi / 2)}, "theta_rad: the readings lie .*15[67].* mrad"),
+    ],
+)
+def test_a_wrong_label_is_named_with_its_cure(plain, changes, said) -> None:
+    if changes == {"lam_l_N": ("lam_r", 1.0, 0.0)}:
+        swapped = {"lam_l_N": plain.lam_r, "lam_r_N": plain.lam_l, "x_m": plain.x, "z_m": plain.z}
+        data = Measurements.from_columns({**swapped, "theta_rad": plain.theta}, source="run.csv")
+        said = "run.csv: .* swapped; exchange the columns lam_l_N and lam_r_N, or mirror both z and theta"
+    else:
+        data = columns(plain, **changes)
+    with pytest.raises(InputError, match=said) as caught:
+        check(NECK, data)
+    assert "\n" not in str(caught.value)
+
+
+def test_side_forces_tell_swapped_tendons_from_mirrored_axes() -> None:
+    both = in_sequence(tendon_test(60, seed=1), shear_test(np.linspace(-60.0, 60.0, 30)))
+    data = measure(NECK, both, Sensors(), 1)
+    mirrored = columns(data, z_m=("z", -1.0, 0.0), theta_rad=("theta", -1.0, 0.0))
+    assert kinds(NECK, mirrored)[:2] == ["mirrored", "mirrored"]
+
+
+def test_another_neck_is_asked_about_and_not_blamed_on_a_unit(plain) -> None:
+    found = findings(Mechanism.preset("paper"), plain)
+    assert not [finding for finding in found if finding.kind == "unit"]
+    assert any("mechanism file" in finding.cure or finding.kind == "origin" for finding in found)
+
+
+def test_outliers_are_named_by_row(plain) -> None:
+    z = plain.z.copy()
+    z[[7, 41]] += 3e-3
+    data = columns(plain, z_m=("z", 0.0, z))
+    found = check(NECK, data)
+    assert found.outliers == (data.rows[7], data.rows[41])
+    assert f"rows {data.rows[7]}, {data.rows[41]}" in repr(found)
+
+
+def test_outliers_are_told_from_a_missing_effect() -> None:
+    data = measure(NECK.replace(precurvature=0.2, EI=2.8), tendon_test(150, seed=1), Sensors(), 1)
+    assert check(NECK, data).outliers == ()
+
+
+def test_a_camera_that_stands_still_is_noticed(plain) -> None:
+    still = columns(plain, x_m=("x", 0.0, 0.1), z_m=("z", 0.0, 0.0), theta_rad=("theta", 0.0, 0.0))
+    with pytest.raises(InputError, match="all 80 poses are the same"):
+        check(NECK, still)
+    pose = plain.pose.copy()
+    pose[20:26] = pose[20]
+    data = columns(plain, x_m=("x", 0.0, pose[:, 0]), z_m=("z", 0.0, pose[:, 1]), theta_rad=("theta", 0.0, pose[:, 2]))
+    (stuck,) = [finding for finding in findings(NECK, data) if finding.kind == "stuck"]
+    assert stuck.rows == tuple(data.rows[20:26])
+
+
+def test_what_loads_cannot_tell_is_said(plain) -> None:
+    right = plain.select(plain.lam_l < plain.lam_r)
+    assert "one-sided" in kinds(NECK, right)
+    alone = columns(plain.select(plain.lam_r < 20.0), lam_r_N=("lam_r", 0.0, 0.0))
+    assert "one tendon" in kinds(NECK, alone)
+    assert "few rows" in kinds(NECK, plain.select(np.arange(8)))
+    same = columns(plain, lam_l_N=("lam_l", 0.0, 20.0), lam_r_N=("lam_r", 0.0, 20.0))
+    assert "equal loads" in kinds(NECK, same)
+
+
+def test_missing_columns_name_what_cannot_be_told(plain) -> None:
+    bare = {"lam_l_N": plain.lam_l, "lam_r_N": plain.lam_r, "x_m": plain.x, "z_m": plain.z}
+    text = repr(check(NECK, Measurements.from_columns(bare)))
+    for words in ("t_s", "stiffness_drift", "dwell_s", "creep", "theta_rad", "pose_id", "sigma_lam_N"):
+        assert words in text
+    blank = {"lam_l_N": plain.lam_l, "x_m": [None] * plain.n}
+    with pytest.raises(InputError, match="no row holds a measured pose"):
+        check(NECK, Measurements.from_columns(blank))
+
+
+def test_thirty_thousand_rows_are_checked_and_thinned(plain) -> None:
+    lam = np.tile(plain.lam, (375, 1))
+    pose = np.tile(plain.pose, (375, 1)) + 1e-5 * np.random.default_rng(1).standard_normal((30000, 3))
+    table = dict(zip(("lam_l_N", "lam_r_N", "x_m", "z_m", "theta_rad"), np.column_stack([lam, pose]).T, strict=True))
+    data = Measurements.from_columns(table)
+    assert "many rows" in kinds(NECK, data)
+    few = thinned(data)
+    assert few.n == 3000
+    assert set(few.rows) <= set(data.rows)
+    assert (few.rows[0], few.rows[-1]) == (data.rows[0], data.rows[-1])
+    assert thinned(few) is few
+    with pytest.raises(InputError, match="most = 0"):
+        thinned(data, 0)

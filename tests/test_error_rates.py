@@ -1,0 +1,82 @@
+"""The tool that measures error rates, with answers whose rates are known."""
+
+import importlib.util
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from ecm_fast.truth import Truth
+
+ROOT = Path(__file__).resolve().parents[1]
+WORDS = ("--count", "2", "--designs", "grid2", "--noises", "white", "force")
+
+
+@pytest.fixture(scope="module")
+def tool():
+    spec = importlib.util.spec_from_file_location("error_rates", ROOT / "tools" / "error_rates.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["error_rates"] = module
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules["error_rates"]
+
+
+def oracle(path):
+    """Answer as one who has looked, but takes what is outside the catalogue for creep."""
+    truth = Truth.from_json(path.with_suffix(".truth.json"))
+    effects = [
+        {
+            "name": name,
+            "parameters": {key: value for key, value in truth.effects.items() if key.partition(".")[0] == name},
+            "look_alikes": [],
+        }
+        for name in truth.names or ("creep",) * bool(truth.outside)
+    ]
+    return {"verdict": "named" if effects else "nothing_found", "effects": effects}
+
+
+def test_known_answers_have_known_rates(tool, tmp_path, capsys):
+    words = ["--folder", str(tmp_path), "--groups", "clean", "pairs", "outside", *WORDS]
+    assert tool.main([*words, "--generate-only"]) == 0
+    count = 2 * 2 + 20 + 2 * 8
+    assert capsys.readouterr().out == f"{count} of {count} sets\n"
+    files = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.csv")}
+    assert len(files) == count
+    assert tool.main(words, diagnose=oracle) == 0
+    assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.csv")} == files  # none made again
+    rates = json.loads((tmp_path / "rates.json").read_text())["rates"]["grid2"]
+    assert rates["false alarm on clean data"] == "0.0% (0 of 4)"
+    assert rates["of two effects, both named, where any is"] == "100.0% (20 of 20)"
+    assert rates["outside the catalogue: said so"] == "0.0% (0 of 16)"
+    assert rates["outside the catalogue: a wrong name alone"] == "100.0% (16 of 16)"
+    assert rates["a second name on one effect"] == "-"
+    assert "| false alarm on clean data | 0.0% (0 of 4) |" in capsys.readouterr().out
+
+
+def test_answers_are_kept_until_they_are_forgotten(tool, tmp_path, capsys):
+    words = ["--folder", str(tmp_path), "--groups", "clean", *WORDS]
+    alarm = {"verdict": "named", "effects": [{"name": "creep", "parameters": {"creep": 0.1}}]}
+    for diagnose, more, said in (
+        (lambda path: alarm, (), "100.0% (4 of 4)"),
+        (oracle, (), "100.0% (4 of 4)"),
+        (oracle, ("--forget",), "0.0% (0 of 4)"),
+    ):
+        assert tool.main([*words, *more], diagnose=diagnose) == 0
+        assert f"| false alarm on clean data | {said} |" in capsys.readouterr().out
+
+
+def test_every_effect_is_a_cell_and_every_set_has_its_own_seed(tool, tmp_path):
+    cells = list(tool.cells(tool.GROUPS, ("T", "T+S"), ("white", "force"), 3))
+    assert len(cells) == 2 * (2 + 67 + 1 + 8)
+    seeds = [tool.Sealed(cell, number, tmp_path).seed for cell in cells for number in range(cell.count)]
+    assert len(set(seeds)) == len(seeds)
+
+
+def test_the_table_goes_between_its_marks(tool, tmp_path):
+    path = tmp_path / "README.md"
+    path.write_text(f"a\n{tool.START}\nold\n{tool.END}\nb\n", encoding="utf-8")
+    tool.rewrite(["new"], path)
+    assert path.read_text(encoding="utf-8") == f"a\n{tool.START}\nnew\n{tool.END}\nb\n"
+    assert (ROOT / "README.md").read_text(encoding="utf-8").count(tool.START) == 1

@@ -1,0 +1,272 @@
+"""Measure how often a diagnosis is right: hide effects, diagnose, score, and write the rates.
+
+    python3 tools/run.py python tools/error_rates.py --folder sealed [--count 20] [--jobs 2] [--generate-only]
+
+Sets lie in the folder, one file of measurements, one of the truth and one of the answer each. What is there is not made
+again, so that a run can be stopped and taken up, and answers alone can be thrown away (`--forget`) when the diagnosis
+has changed. On clean data every noise is a cell of its own; the other sets take the noises in turn.
+"""
+
+import argparse
+import json
+import zlib
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import ecm_fast as ecm
+from ecm_fast.data import read_measurements
+from ecm_fast.effects import CATALOGUE
+from ecm_fast.errors import InputError
+from ecm_fast.files import write_whole
+from ecm_fast.hiding import hide
+from ecm_fast.scoring import Score, score
+from ecm_fast.testbed import BUILT_IN, OUTSIDE
+from ecm_fast.truth import Truth
+
+README = Path(__file__).resolve().parent.parent / "README.md"
+START, END = "<!-- error rates: written by tools/error_rates.py -->", "<!-- end of error rates -->"
+DESIGNS = ("T", "T+S", "T+S+C+M+W")
+NOISES = (
+    "white",
+    "force",
+    "strong_force",
+    "tails+force",
+    "correlated+force",
+    "outliers+force",
+    "drift+force",
+    "undeclared+force",
+    "geometry+force",
+    "tails+correlated+outliers+drift+geometry+force",
+)
+GROUPS = ("clean", "effects", "pairs", "outside")
+SETS_OF_A_PAIR_CELL = 10
+"""Pairs are drawn at random from a cell of their own, this many times as many as of one effect."""
+Diagnose = Callable[[Path], dict[str, Any]]
+
+
+class Cell(NamedTuple):
+    """Sets of one kind; without a noise they take all in turn."""
+
+    group: str
+    name: str
+    design: str
+    noise: str
+    count: int
+
+
+class Sealed(NamedTuple):
+    """One set, to be found again by its place and seed."""
+
+    cell: Cell
+    number: int
+    folder: Path
+
+    @property
+    def stem(self) -> str:
+        """Where its files are, without their endings."""
+        cell = self.cell
+        return str(self.folder / cell.group / cell.design / f"{cell.name}-{self.number:04d}")
+
+    @property
+    def seed(self) -> int:
+        """Different for every set, the same on every machine."""
+        return zlib.crc32(f"{self.cell.group}/{self.cell.design}/{self.cell.name}/{self.number}".encode())
+
+
+def cells(groups: Iterable[str], designs: Iterable[str], noises: tuple[str, ...], count: int) -> Iterator[Cell]:
+    """Yield every cell asked for."""
+    for design in designs:
+        for group in groups:
+            if group == "clean":
+                yield from (Cell(group, noise, design, noise, count) for noise in noises)
+            elif group == "pairs":
+                yield Cell(group, "pair", design, "", SETS_OF_A_PAIR_CELL * count)
+            else:
+                names = [name for name in CATALOGUE if name in BUILT_IN] if group == "effects" else [*OUTSIDE]
+                yield from (Cell(group, name, design, "", count) for name in names)
+
+
+def hidden(sealed: Sealed) -> dict[str, None]:
+    """Return what a set hides, with sizes to be drawn."""
+    if sealed.cell.group == "clean":
+        return {}
+    if sealed.cell.group == "pairs":
+        known = sorted(BUILT_IN)
+        return dict.fromkeys(np.random.default_rng(sealed.seed).choice(known, 2, replace=False).tolist())
+    return {sealed.cell.name: None}
+
+
+def generate(sealed: Sealed, noises: tuple[str, ...]) -> bool:
+    """Write a set unless it is there; the truth is written last, so that it vouches for the rest."""
+    truth_file, stem = Path(f"{sealed.stem}.truth.json"), sealed.stem
+    if truth_file.exists():
+        return True
+    truth_file.parent.mkdir(parents=True, exist_ok=True)
+    noise = sealed.cell.noise or noises[sealed.number % len(noises)]
+    try:
+        data, truth = hide(effects=hidden(sealed), design=sealed.cell.design, seed=sealed.seed, noise=noise)
+    except InputError as error:  # a row has no equilibrium
+        write_whole(f"{stem}.failed.txt", f"{error}\n")
+        return False
+    data.to_csv(f"{stem}.csv", "SIMULATED, nobody measured this.")
+    truth.to_json(truth_file)
+    return True
+
+
+def diagnosed(path: Path) -> dict[str, Any]:
+    """Return the answer of the package about a file of measurements."""
+    answer: dict[str, Any] = ecm.diagnose(ecm.Mechanism(), read_measurements(path)).to_json_dict()
+    return answer
+
+
+def work(sealed: Sealed, noises: tuple[str, ...], diagnose: Diagnose | None) -> bool:
+    """Make a set and its answer, where either is missing; False where there is none."""
+    if not generate(sealed, noises):
+        return False
+    answer = Path(f"{sealed.stem}.answer.json")
+    if diagnose is not None and not answer.exists():
+        write_whole(answer, json.dumps(diagnose(Path(f"{sealed.stem}.csv"))) + "\n")
+    return True
+
+
+def graded(sets: Iterable[Sealed]) -> list[tuple[Cell, Score, Truth]]:
+    """Return the grades of all answers that are there."""
+    found = []
+    for sealed in sets:
+        answer = Path(f"{sealed.stem}.answer.json")
+        if answer.exists():
+            truth = Truth.from_json(f"{sealed.stem}.truth.json")
+            found.append((sealed.cell, score(answer, truth), truth))
+    return found
+
+
+def share(values: Iterable[bool | None]) -> str:
+    """Return a rate with its counts; what does not apply is not counted."""
+    asked = [value for value in values if value is not None]
+    return f"{np.mean(asked):.1%} ({sum(asked)} of {len(asked)})" if asked else "-"
+
+
+def level(values: Iterable[float | None], *percentiles: float) -> str:
+    """Return percentiles as shares."""
+    known = [value for value in values if value is not None]
+    return " / ".join(f"{value:.1%}" for value in np.percentile(known, percentiles)) if known else "-"
+
+
+def rates(scores: list[tuple[Cell, Score, Truth]]) -> dict[str, str]:
+    """Return every rate of one design by its name."""
+    clean, one, two, outside = ([s for c, s, _ in scores if c.group == group] for group in GROUPS)
+    noisy: dict[str, list[bool]] = {}
+    for cell, grade, _ in scores:
+        if cell.group == "clean":
+            noisy.setdefault(cell.noise, []).append(grade.false_alarm)
+    claims, pairs = ([grade for grade in group if grade.named] for group in (one, two))
+    sizes = [grade.set_size for grade in claims if grade.set_size is not None]
+    return {
+        "false alarm on clean data": share(grade.false_alarm for grade in clean),
+        "the same, worst noise": max((share(alarms) for alarms in noisy.values()), default="-", key=_first_number),
+        "an effect is reported": share(bool(grade.named) for grade in one),
+        "of those: first name right": share(grade.top for grade in claims),
+        "of those: truth in the reported set": share(grade.in_set for grade in claims),
+        "of those: mean set size": f"{np.mean(sizes):.2f}" if sizes else "-",
+        "a name printed alone is right": share(grade.alone_right for grade in one),
+        "a second name on one effect": share(grade.extra for grade in one),
+        "gap closed on locked rows, median / 5th percentile": level((grade.gap_closed for grade in claims), 50, 5),
+        "interval of the size holds the truth": share(_size_covered(one)),
+        "of two effects, both named, where any is": share(grade.top for grade in pairs),
+        "of two effects, both in the reported sets": share(grade.in_set for grade in pairs),
+        "outside the catalogue: said so": share(grade.verdict_right for grade in outside),
+        "outside the catalogue: a wrong name alone": share(grade.alone for grade in outside),
+    }
+
+
+def _first_number(text: str) -> float:
+    return float(text.partition("%")[0]) if "%" in text else -1.0
+
+
+def _size_covered(scores: Iterable[Score]) -> Iterator[bool]:
+    """Yield whether the size of the hidden effect is held, where it is named and has an interval."""
+    for grade in scores:
+        size = CATALOGUE[grade.hidden[0]].size.name
+        if grade.top and size in grade.covered:
+            yield grade.covered[size]
+
+
+def table(by_design: dict[str, dict[str, str]]) -> list[str]:
+    """Return the lines of a table, one column a design."""
+    lines = [f"| | {' | '.join(by_design)} |", f"|---|{'---|' * len(by_design)}"]
+    for what in next(iter(by_design.values())):
+        lines += [f"| {what} | {' | '.join(column[what] for column in by_design.values())} |"]
+    return lines
+
+
+def by_effect(scores: list[tuple[Cell, Score, Truth]]) -> dict[str, dict[str, str]]:
+    """Return rates of every effect hidden alone."""
+    groups: dict[str, list[Score]] = {}
+    for cell, grade, _ in scores:
+        if cell.group in ("effects", "outside"):
+            groups.setdefault(f"{cell.design} {cell.name}", []).append(grade)
+    return {
+        name: {
+            "reported": share(bool(grade.named) for grade in grades),
+            "first": share(grade.top for grade in grades if grade.named),
+            "in_set": share(grade.in_set for grade in grades if grade.named),
+        }
+        for name, grades in groups.items()
+    }
+
+
+def rewrite(lines: list[str], path: Path = README) -> None:
+    """Put the table between its marks."""
+    before, rest = path.read_text(encoding="utf-8").split(START)
+    path.write_text("\n".join([before + START, *lines, END]) + rest.split(END)[1], encoding="utf-8")
+
+
+def main(words: list[str] | None = None, diagnose: Diagnose = diagnosed) -> int:
+    """Make what is missing, and write the rates to ``rates.json`` and, if asked, to the README."""
+    args = _arguments(words)
+    chosen = tuple(cells(args.groups, args.designs, tuple(args.noises), args.count))
+    sets = [Sealed(cell, number, args.folder) for cell in chosen for number in range(cell.count)]
+    if args.forget:
+        for sealed in sets:
+            Path(f"{sealed.stem}.answer.json").unlink(missing_ok=True)
+    task = partial(work, noises=tuple(args.noises), diagnose=None if args.generate_only else diagnose)
+    if args.jobs > 1:
+        with ProcessPoolExecutor(args.jobs) as pool:
+            done = list(pool.map(task, sets, chunksize=8))
+    else:
+        done = [task(sealed) for sealed in sets]
+    print(f"{sum(done)} of {len(sets)} sets")
+    if args.generate_only:
+        return 0
+    scores = graded(sets)
+    columns = {design: rates([entry for entry in scores if entry[0].design == design]) for design in args.designs}
+    lines = table(columns)
+    summary = {"rates": columns, "effects": by_effect(scores)}
+    write_whole(args.folder / "rates.json", json.dumps(summary, indent=1) + "\n")
+    print("\n".join(lines))
+    if args.readme:
+        rewrite(lines)
+    return 0
+
+
+def _arguments(words: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--folder", type=Path, required=True, help="where the sets are kept")
+    parser.add_argument("--count", type=int, default=20, help="sets of a cell")
+    parser.add_argument("--groups", nargs="+", default=GROUPS, choices=GROUPS)
+    parser.add_argument("--designs", nargs="+", default=DESIGNS)
+    parser.add_argument("--noises", nargs="+", default=NOISES)
+    parser.add_argument("--jobs", type=int, default=1, help="processes")
+    parser.add_argument("--generate-only", action="store_true", help="make the sets, diagnose none")
+    parser.add_argument("--forget", action="store_true", help="throw away answers first")
+    parser.add_argument("--readme", action="store_true", help="write the table into README.md")
+    return parser.parse_args(words)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
