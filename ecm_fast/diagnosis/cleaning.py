@@ -124,8 +124,8 @@ def _without_outliers(residual: Array, used: Mask, q: Array) -> tuple[Mask, Arra
         flat = np.where(good, residual, 0.0).ravel()
         lost = q.shape[1] / max(int(good.sum()), 1)
         off = np.where(good, (flat - q @ (q.T @ flat)).reshape(-1, 3), 0.0)
-        unit = np.where(good, residual, 0.0) / _spread(off / np.sqrt(max(1.0 - lost, 0.1)), good)
-        gain = removal(unit, q)
+        scale = _spread(off / np.sqrt(max(1.0 - lost, 0.1)), good)
+        gain = removal(off, q, scale)
         worst = int(np.argmax(gain))
         if gain[worst] < _OUTLIER**2:
             break
@@ -134,12 +134,15 @@ def _without_outliers(residual: Array, used: Mask, q: Array) -> tuple[Mask, Arra
     return good, q
 
 
-def removal(residual: Array, q: Array) -> Array:
-    """Return what the removal of each row takes off the sum of squares that a basis (3 n, q) leaves, (n,)."""
+def removal(residual: Array, q: Array, scale: Array | float = 1.0) -> Array:
+    """Return what the removal of each row takes off the sum of squares that a basis (3 n, q) leaves, (n,).
+
+    scale : of the noise by channel, where that is not 1
+    """
     off = (residual.ravel() - q @ (q.T @ residual.ravel())).reshape(-1, 3)
     rows = q.reshape(-1, 3, q.shape[1])
     left = (1.0 + _ALMOST) * np.eye(3) - rows @ rows.transpose(0, 2, 1)
-    return np.asarray((off * np.linalg.solve(left, off[:, :, None])[:, :, 0]).sum(axis=1))
+    return np.asarray((off * np.linalg.solve(left, off[:, :, None])[:, :, 0] / scale**2).sum(axis=1))
 
 
 def _student(residual: Array, good: Mask, q: Array) -> tuple[Array, Array, float]:

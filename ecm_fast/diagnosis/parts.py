@@ -15,6 +15,7 @@ __all__ = ["Claim", "Gap", "Gate", "Model", "Noise", "Remainder", "Rms", "Rows",
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Verdict = Literal["named", "family", "outside_catalogue", "nothing_found", "data_gap"]
+_USUAL = (1e-4, 1e-4, 1e-3)
 CHANNEL_KEYS = ("x_m", "z_m", "theta_rad")
 
 
@@ -232,6 +233,12 @@ class Noise:
     scale: tuple[float, float, float]
     tail: float
     correlation: float
+
+    @property
+    def known_sigma(self) -> tuple[float, float, float]:
+        """`sigma`, and where nothing was measured that of a usual camera."""
+        x, z, theta = (value if value > 0.0 else usual for value, usual in zip(self.sigma, _USUAL, strict=True))
+        return x, z, theta
 
 
 @dataclass(frozen=True)
