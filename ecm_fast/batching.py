@@ -13,7 +13,7 @@ from .kernels.batch import solve_many
 from .kernels.layout import L_FX, L_GRAVITY, N_LOADS, N_OUT, N_STATION, N_TIP, O_FACTOR, O_THETA, O_X, O_Z
 from .kernels.newton import solve_work_size
 
-__all__ = ["solve_cases", "work_arrays"]
+__all__ = ["fast_path", "solve_cases", "work_arrays"]
 
 Array = NDArray[np.float64]
 # fewer cases than this do not pay for fitting where they start
@@ -25,6 +25,11 @@ def work_arrays(mesh: Discretization) -> tuple[Array, Array, Array, Array, Array
     n = 3 * mesh.nodes.size
     work = np.zeros(solve_work_size(mesh.nodes.size, mesh.n_elements, mesh.order))
     return np.empty((len(mesh.mesh), N_STATION)), np.empty(N_TIP), np.empty(n), np.empty(n), work
+
+
+def fast_path(mesh: Discretization, stations: Array, tip: Array, q_rest: Array) -> Condensation | Chain | None:
+    """Return the fast path of one mechanism, from what `prepare` made of it; None where none applies."""
+    return Condensation.of(mesh, stations, tip, q_rest) or Chain.of(mesh, stations, tip, q_rest)
 
 
 def solve_cases(

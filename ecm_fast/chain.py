@@ -28,7 +28,7 @@ class Chain:
     @classmethod
     def of(cls, mesh: Discretization, stations: Array, tip: Array, q_rest: Array) -> "Chain | None":
         """Return the chain, or None where the mechanism or the discretization does not permit it."""
-        if mesh.gauss != mesh.order:
+        if mesh.gauss != mesh.order or mesh.family != "lagrange":
             return None
         con = np.empty(constants_size(mesh.n_elements, mesh.order))
         applies = condense_chain(stations, tip, q_rest, mesh.basis, mesh.turn, STRETCH, con)

@@ -119,7 +119,8 @@ def _guess_fit() -> tuple[Array, Array, Array]:
 
 def permits(mesh: Discretization) -> bool:
     """Whether a mesh has kernels of its own."""
-    return mesh.n_elements == 1 and mesh.order in ORDERS and mesh.gauss == mesh.order
+    lagrange = mesh.family == "lagrange" and mesh.gauss == mesh.order
+    return lagrange and mesh.n_elements == 1 and mesh.order in ORDERS
 
 
 def kernels_of(mesh: Discretization) -> Any:

@@ -2,37 +2,45 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError, shown
+from .families import FAMILIES, find_family, gauss_rule, integrals, lagrange, lobatto_nodes
 
-__all__ = ["MAX_ORDER", "Discretization"]
+__all__ = ["DEFAULT_ORDER", "Discretization"]
 
-MAX_ORDER = 6
+DEFAULT_ORDER, MAX_GAUSS = 5, 12
 MAX_ELEMENTS = 100_000
 SMALLEST_SHARE = 1e-9
 
 
 @dataclass(frozen=True)
 class Discretization:
-    """Lagrange elements of one order, of any lengths.
+    """Elements of one family and order, of any lengths.
 
     Attributes
     ----------
     shares : element lengths as shares of the beam's length, from the clamp; they add up to 1
     order : of the shape functions, 1 to 6
-    gauss : Gauss points per element; as many as the order neither locks nor wastes
+    gauss : Gauss points per element
+    family : of the elements, see `families`
     """
 
     shares: tuple[float, ...]
     order: int
     gauss: int
+    family: str = "lagrange"
 
     @classmethod
-    def of(cls, elements: int | ArrayLike = 1, order: int = 5, gauss: int | None = None) -> "Discretization":
+    def of(
+        cls, elements: int | ArrayLike = 1, order: int | None = None, gauss: int | None = None, family: str = "lagrange"
+    ) -> "Discretization":
         """Divide a beam into `elements` equal elements, or into elements of the given relative lengths.
+
+        The order is 5, or the family's highest, and the Gauss points are the family's, unless given.
 
         Raises
         ------
@@ -44,11 +52,13 @@ class Discretization:
             shares = np.full(int(elements), 1.0 / int(elements))
         else:
             shares = _shares(elements)
-        order = _count("order", order, 1, MAX_ORDER)
-        gauss = order if gauss is None else _count("gauss", gauss, 1, 2 * MAX_ORDER)
+        kind = find_family(family)
+        highest = kind.highest_order
+        order = min(DEFAULT_ORDER, highest) if order is None else _count("order", order, 1, highest)
+        gauss = kind.points(order) if gauss is None else _count("gauss", gauss, 1, MAX_GAUSS)
         if gauss < order:
             raise InputError(f"gauss = {gauss}: fewer points than the order, {order}, leave the element loose")
-        return cls(tuple(shares.tolist()), order, gauss)
+        return cls(tuple(shares.tolist()), order, gauss, kind.name)
 
     @property
     def n_elements(self) -> int:
@@ -58,38 +68,35 @@ class Discretization:
     @cached_property
     def local_nodes(self) -> NDArray[np.float64]:
         """Gauss-Lobatto places of an element's nodes in [0, 1]: the interpolation that is best conditioned."""
-        inner = np.polynomial.legendre.Legendre.basis(self.order).deriv().roots().real
-        return 0.5 * (1.0 + np.concatenate([[-1.0], inner, [1.0]]))
+        return lobatto_nodes(self.order)
 
     @cached_property
     def nodes(self) -> NDArray[np.float64]:
-        """Places of all nodes, shape (n_elements * order + 1,) [share of the length]."""
+        """Places of all nodes, shape (n_elements * order + 1,) [share of the length].
+
+        An inner node whose x and z are no place, see `families.Family`, has them zero in the straight beam: 0 here.
+        """
         ends = np.concatenate([[0.0], np.cumsum(self.shares)])
         ends[-1] = 1.0
         inner = ends[:-1, None] + np.diff(ends)[:, None] * self.local_nodes[None, 1:]
+        if not FAMILIES[self.family].inner_places:
+            inner[:, :-1] = 0.0
         return np.concatenate([[0.0], inner.ravel()])
 
     @cached_property
     def basis(self) -> NDArray[np.float64]:
-        """Shape functions and their derivatives at the Gauss points, shape (2, gauss, order + 1)."""
-        points = 0.5 * (1.0 + np.polynomial.legendre.leggauss(self.gauss)[0])
-        return lagrange(self.local_nodes, points)
+        """Lagrange polynomials on the nodes and their derivatives at the Gauss points, (2, gauss, order + 1)."""
+        return lagrange(self.local_nodes, gauss_rule(self.gauss)[0])
 
     @cached_property
-    def tables(self) -> NDArray[np.float64]:
-        """What the kernels need at the Gauss points: `basis` and `_lift`, shape (3, gauss, order + 1)."""
-        return np.concatenate([self.basis, self._lift[None]])
+    def tables(self) -> Any:
+        """What the kernels need at the Gauss points, in the form that the family gives it."""
+        return FAMILIES[self.family].tables(self.order, self.gauss)
 
-    @cached_property
-    def _lift(self) -> NDArray[np.float64]:
-        """Integrals from 0 to each node of the polynomials that are 1 at one Gauss point, (gauss, order + 1).
-
-        They rebuild an element's positions from the slopes at its Gauss points, exactly. With more points than the
-        order no positions have arbitrary slopes there: then all zero.
-        """
-        if self.gauss != self.order:
-            return np.zeros((self.gauss, self.order + 1))
-        return self._integrals(self.local_nodes).T
+    @property
+    def tip_order(self) -> int:
+        """The power of the element length with which theory says the tip's error falls."""
+        return FAMILIES[self.family].tip_order(self.order)
 
     @cached_property
     def mesh(self) -> NDArray[np.float64]:
@@ -105,18 +112,12 @@ class Discretization:
     @cached_property
     def turn(self) -> NDArray[np.float64]:
         """Integrals from 0 to each Gauss point of the polynomials that are 1 at one Gauss point, (gauss, gauss)."""
-        return self._integrals(0.5 * (1.0 + np.polynomial.legendre.leggauss(self.gauss)[0]))
+        return integrals(self.gauss, gauss_rule(self.gauss)[0])
 
     @cached_property
     def slopes(self) -> NDArray[np.float64]:
         """Derivative at each Gauss point by the values there of a polynomial that is 0 at 0, (gauss, gauss)."""
         return np.ascontiguousarray(np.linalg.inv(self.turn))
-
-    def _integrals(self, upper: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Integrals from 0 to `upper` of the polynomials that are 1 at one Gauss point, (len(upper), gauss)."""
-        points = 0.5 * (1.0 + np.polynomial.legendre.leggauss(self.gauss)[0])
-        degree = np.arange(1, self.gauss + 1)
-        return (upper[:, None] ** degree / degree) @ np.linalg.inv(np.vander(points, increasing=True))
 
 
 def _count(name: str, value: object, lowest: int, highest: int) -> int:
@@ -138,20 +139,3 @@ def _shares(lengths: ArrayLike) -> NDArray[np.float64]:
             return shares
     raise InputError(f"elements = {shown(lengths)}: allowed is a count, or positive relative lengths of which none is "
                      f"below {SMALLEST_SHARE:g} of the whole")  # fmt: skip
-
-
-def lagrange(nodes: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Lagrange polynomials on `nodes` and their derivatives, (29) for two nodes, at `places`.
-
-    Returns shape (2, n_places, n_nodes): values, derivatives.
-    """
-    out = np.empty((2, len(places), len(nodes)))
-    for a, own in enumerate(nodes):
-        others = np.delete(nodes, a)
-        out[0, :, a] = np.prod((places[:, None] - others) / (own - others), axis=1)
-        slopes = [
-            np.prod((places[:, None] - np.delete(others, k)) / (own - np.delete(others, k)), axis=1) / (own - other)
-            for k, other in enumerate(others)
-        ]
-        out[1, :, a] = np.sum(slopes, axis=0)
-    return out

@@ -6,8 +6,9 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from .discretization import Discretization, lagrange
+from .discretization import Discretization
 from .errors import NotConverged
+from .families import FAMILIES
 from .kernels import layout
 
 __all__ = ["BatchResult", "Equilibrium", "Status"]
@@ -58,7 +59,8 @@ class Equilibrium:
     jacobian : (3, 2) d(x, z, theta)/d(lam_l, lam_r) [m/N, m/N, rad/N]; nan for a slack tendon whose attachment lies
         inside its pulley, since it has no direction
     compliance : (3, 3) d(x, z, theta)/d(fx, fz, tau) [m/N ... rad/(N m)], symmetric
-    q : (3 n_nodes,) x, z, theta of every node, clamp first [m, m, rad]
+    q : (3 n_nodes,) x, z, theta of every node, clamp first [m, m, rad]; of an inner node some families keep other
+        unknowns than places, see `families.Family`
     """
 
     x: float
@@ -110,10 +112,8 @@ class Equilibrium:
         places = np.linspace(0.0, 1.0, n)
         element = np.clip(np.searchsorted(ends, places, side="right") - 1, 0, mesh.n_elements - 1)
         xi = (places - ends[element]) / np.asarray(mesh.shares)[element]
-        values = lagrange(mesh.local_nodes, xi)[0]
         nodes = element[:, None] * mesh.order + np.arange(mesh.order + 1)
-        places_and_angles: Array = np.einsum("pa,pac->pc", values, self.q.reshape(-1, 3)[nodes])
-        return places_and_angles
+        return FAMILIES[mesh.family].centerline(mesh.order, mesh.gauss, self.q.reshape(-1, 3)[nodes], xi)
 
     def __repr__(self) -> str:
         pose = f"x={self.x:.6g} m, z={self.z:.6g} m, theta={self.theta:.6g} rad"

@@ -12,8 +12,7 @@ from .equilibrium import Status
 from .errors import InputError
 from .mechanism import Mechanism
 from .parameters import find, index, pack
-from .prediction import CHANGES, row_parameters
-from .sensitivity import sensitivities
+from .readings import CHANGES, MeasuringChain, row_parameters
 
 __all__ = ["CHANNELS", "FitRows", "FitSet", "Noise", "State"]
 
@@ -79,7 +78,7 @@ class FitRows:
         self.sets, self.names, self.mesh = tuple(sets), tuple(names), mesh
         self.places = [index(name) for name in names]
         self._bases = [pack(entry.mechanism) for entry in sets]
-        self._loads = [(entry.data.lam, entry.data.wrench) for entry in sets]
+        self._chains = [MeasuringChain(mesh, entry.data) for entry in sets]
         self._memory: list[State] = []
         self.solves = 0
         self.measured = self.joined("pose")
@@ -119,12 +118,10 @@ class FitRows:
             if np.array_equal(known.values, values):
                 return known
         parts = []
-        for base, entry, loads in zip(self._bases, self.sets, self._loads, strict=True):
+        for base, chain in zip(self._bases, self._chains, strict=True):
             par = base.copy()
             par[self.places] = values
-            own = row_parameters(par, entry.data)
-            rows = par[None] if own is None else own
-            parts.append(sensitivities(self.mesh, self.names, rows, *loads, _LAST_STEP))
+            parts.append(chain.sensitivities(self.names, par, _LAST_STEP))
         self.solves += self.n
         found = [
             np.concatenate([getattr(part, name) for part in parts]) if len(parts) > 1 else getattr(parts[0], name)

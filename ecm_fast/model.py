@@ -6,12 +6,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .batching import solve_cases, work_arrays
+from .batching import fast_path, solve_cases, work_arrays
 from .chain import Chain
 from .condensation import Condensation
 from .discretization import Discretization
 from .equilibrium import BatchResult, Equilibrium, Status
 from .errors import InputError, shown
+from .families import find_family
 from .inverse import Inverse
 from .kernels.layout import (
     N_LOADS,
@@ -47,8 +48,9 @@ class FiniteElementModel:
     ----------
     mechanism : what is built
     elements : how many elements, or their relative lengths from the clamp; default one
-    order : of the Lagrange shape functions, 1 to 6; default what `accuracy` needs
-    gauss : Gauss points per element; default as many as the order, which neither locks nor wastes
+    order : of the shape functions, 1 to 6; default what `accuracy` needs, if the family goes that far
+    gauss : Gauss points per element; default as many as neither lock nor waste
+    family : ``"lagrange"``, ``"se2"`` or ``"strain"``, see `families`
     accuracy : largest error of the tip pose, in rad and shares of the length, that the discretization may leave where
         a mechanism like the presets is driven by tendons up to 160 N or wrenches up to (330 N, 80 N, 11 N m); chooses
         the order of one element: 3 to 6 for 2e-4, 1e-5, 5e-7 and 1e-8
@@ -59,6 +61,8 @@ class FiniteElementModel:
     One element of order 3 to 6 is solved on the fast path of `kernels.condensed`, any other number and
     order on that of `kernels.chain`, and what neither takes or vouches for by `kernels.newton`: the same discrete
     equations, the same solution to rounding. ``elements=20, order=1`` is the paper's discretization.
+
+    Families other than Lagrange's are for studies: they go the general path throughout.
 
     A model is immutable in use but owns work arrays: each thread needs its own.
 
@@ -77,10 +81,13 @@ class FiniteElementModel:
         order: int | None = None,
         gauss: int | None = None,
         *,
+        family: str = "lagrange",
         accuracy: float = 1e-6,
     ) -> None:
         self.mechanism = Mechanism() if mechanism is None else mechanism
-        self.discretization = Discretization.of(elements, _order(accuracy) if order is None else order, gauss)
+        if order is None:
+            order = min(_order(accuracy), find_family(family).highest_order)
+        self.discretization = Discretization.of(elements, order, gauss, family)
         self._par = pack(self.mechanism)
         self._system = work_arrays(self.discretization)
         stations, tip, q_rest, _, _ = self._system
@@ -90,9 +97,7 @@ class FiniteElementModel:
     @cached_property
     def _condensed(self) -> Condensation | Chain | None:
         """The fast path, made when first needed; None where it does not apply."""
-        stations, tip, q_rest, _, _ = self._system
-        mesh = self.discretization
-        return Condensation.of(mesh, stations, tip, q_rest) or Chain.of(mesh, stations, tip, q_rest)
+        return fast_path(self.discretization, *self._system[:3])
 
     @property
     def tip(self) -> Array:
@@ -265,7 +270,9 @@ class FiniteElementModel:
 
     def __repr__(self) -> str:
         mesh = self.discretization
-        return f"FiniteElementModel({mesh.n_elements} element(s) of order {mesh.order}, {mesh.gauss} Gauss points each)"
+        kind = "" if mesh.family == "lagrange" else f"{mesh.family} "
+        elements = f"{mesh.n_elements} {kind}element(s) of order {mesh.order}, {mesh.gauss} Gauss points each"
+        return f"FiniteElementModel({elements})"
 
 
 def _order(accuracy: float) -> int:

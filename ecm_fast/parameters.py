@@ -4,6 +4,7 @@ Kernels take the vector; files, fits and reports use the names. To add a paramet
 (or an effect in `effects`) and write its law in a kernel: the place in the vector follows from the declaration.
 """
 
+from collections import namedtuple
 from dataclasses import fields
 from typing import Any
 
@@ -14,7 +15,7 @@ from .errors import InputError, did_you_mean
 from .mechanism import AXIAL_LAWS, EFFECT_QUANTITIES, SECTIONS, Effects, Mechanism
 from .quantity import Quantity
 
-__all__ = ["PARAMETERS", "find", "index", "pack", "unpack"]
+__all__ = ["PARAMETERS", "PLACES", "find", "index", "pack", "unpack"]
 
 PARAMETERS: tuple[Quantity, ...] = (
     *(item.metadata["quantity"] for section in SECTIONS.values() for item in fields(section)),
@@ -23,6 +24,10 @@ PARAMETERS: tuple[Quantity, ...] = (
 """The entries of the vector, in order."""
 
 _PLACE = {entry.key: place for place, entry in enumerate(PARAMETERS)}
+_NAMES = [key.replace(".", "_") for key in _PLACE]
+PLACES: Any = namedtuple("PLACES", _NAMES)(*range(len(_NAMES)))
+"""The place of every entry for kernels, which see constants: ``PLACES.beam_EA``, ``PLACES.effects_soft_spot_size``."""
+
 _SHORT: dict[str, list[str]] = {}
 for _entry in PARAMETERS:
     _SHORT.setdefault(_entry.name, []).append(_entry.key)

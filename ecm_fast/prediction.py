@@ -11,21 +11,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from .data import Measurements
 from .data_columns import COLUMNS
+from .discretization import Discretization
 from .equilibrium import Status
-from .errors import InputError
 from .files import csv_text, write_whole
+from .loads import last_step
 from .mechanism import Mechanism
-from .model import FiniteElementModel
-from .parameters import PARAMETERS, index, pack
+from .parameters import pack
+from .readings import MeasuringChain
 
-__all__ = ["CHANGES", "Prediction", "predict", "row_parameters"]
+__all__ = ["Prediction", "predict"]
 
 Array = NDArray[np.float64]
 
 _CHANNELS = ("x", "z", "theta")
 _LOADS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt")
-CHANGES = {"tilt": "gravity_tilt", "extra_mass": "effects.head_mass"}
-"""What a row may change on the test bed, and the parameter to which it is added."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -115,34 +114,6 @@ def predict(
     ------
     InputError : a row's tilt or extra mass leaves the bounds of the parameter it adds to; names the row.
     """
-    model = FiniteElementModel(mechanism, elements, order)
-    own = row_parameters(pack(mechanism), data)
-    result = model.solve_batch(data.lam, data.wrench, parameters=own, threads=threads)
-    return Prediction(result.pose, result.status, result.load_factor, data)
-
-
-def row_parameters(par: Array, data: Measurements) -> Array | None:
-    """Return a parameter vector for every row, (n, n_parameters), or None where no row changes the test bed.
-
-    Parameters
-    ----------
-    par : (n_parameters,) the mechanism's own vector
-
-    Raises
-    ------
-    InputError : a row's change leaves the bounds of the parameter it adds to; names the row.
-    """
-    changes = {name: getattr(data, name) for name in CHANGES}
-    if not any(change.any() for change in changes.values()):
-        return None
-    par = np.tile(par, (data.n, 1))
-    for name, change in changes.items():
-        place = index(CHANGES[name])
-        par[:, place] += change
-        entry, values = PARAMETERS[place], par[:, place]
-        outside = (values < entry.lower) | (values > entry.upper)
-        if outside.any():
-            i = int(np.argmax(outside))
-            raise InputError(f"{data.where(i)}: {name} = {change[i]:g} makes {entry.key} = {values[i]:g}: allowed is "
-                             f"{entry.allowed}")  # fmt: skip
-    return par
+    chain = MeasuringChain(Discretization.of(elements, order, None), data)
+    pose, status, load_factor = chain.solve(pack(mechanism), last_step(1e-9), threads)
+    return Prediction(pose, status, load_factor, data)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from .condensation import solve_nodes
 from .discretization import Discretization
+from .effects import CATALOGUE
 from .equilibrium import Status
 from .errors import InputError
 from .kernels.batch import solve_many
@@ -19,9 +20,13 @@ from .parameters import find, index
 __all__ = ["Sensitivities", "sensitivities"]
 
 Array = NDArray[np.float64]
-# written out where they are the same along the beam; every other parameter takes the complex step
+# written out for Lagrange elements whose sections have the plain laws, the same along the beam; every other parameter
+# takes the complex step
 STIFFNESSES = ("EA", "GA", "EI")
-_PROFILE = [index("stiffness_taper"), index("soft_spot.size")]
+_PLAIN = ("precurvature", "precurvature_gradient", "neutral_axis_offset", "beam_length", "beam_mass")
+_FURTHER = [
+    index(entry.size.key) for name, entry in CATALOGUE.items() if entry.enters == "section" and name not in _PLAIN
+]
 
 
 @dataclass(frozen=True)
@@ -86,7 +91,8 @@ def sensitivities(
             mesh.tables, mesh.mesh, mesh.nodes, own, loads[todo], system, np.empty((todo.size, N_OUT)), verdict, nodes
         )
         status[todo], q[todo] = verdict, nodes
-    stiffness, others, columns = _sort(names, uniform=not par[:, _PROFILE].any())
+    plain = mesh.family == "lagrange" and not par[:, _FURTHER].any()
+    stiffness, others, columns = _sort(names, plain=plain)
     out = np.empty((n, 3)), np.empty((n, 3, 2)), np.empty((n, 3, 3)), np.empty((n, 3, k))
     real, complex_ = _work(mesh, others.size)
     c_par = np.zeros(par.shape[1], dtype=complex)
@@ -97,14 +103,14 @@ def sensitivities(
     return Sensitivities(pose, jacobian, compliance, by[:, :, columns], tuple(names), status)
 
 
-def _sort(names: Sequence[str], *, uniform: bool) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+def _sort(names: Sequence[str], *, plain: bool) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     """Return columns of EA, GA, EI (-1: not written out), places of the others, and the columns by `names`."""
     keys = [find(name).key for name in names]
     if len(set(keys)) < len(keys):
         raise InputError(f"a parameter is named twice in {', '.join(names)}")
     if "beam.axial_law" in keys:
         raise InputError("axial_law is a choice, not a number: there is no derivative by it")
-    written_out = {f"beam.{name}" for name in STIFFNESSES} if uniform else set()
+    written_out = {f"beam.{name}" for name in STIFFNESSES} if plain else set()
     others = [key for key in keys if key not in written_out]
     last = [key for key in keys if key not in others]
     columns = [others.index(key) if key in others else len(others) + last.index(key) for key in keys]

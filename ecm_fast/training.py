@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .data import Measurements
 from .errors import InputError, NotConverged
-from .kernels.layout import L_FX, L_GRAVITY, N_LOADS
+from .kernels.layout import L_FX, L_GRAVITY, N_LOADS, T_JOINT
 from .kernels.tip import tip_wrench
 from .model import FiniteElementModel
 from .polynomial import PolynomialModel
@@ -144,6 +144,7 @@ def tip_wrenches(
     (n, 3) fx, fz, tau [N, N, N m]; nan where a pulling tendon's attachment lies inside its pulley.
     """
     tip, K = model.tip, np.empty(6)
+    tip[T_JOINT] = 0.0  # the poses are the head's
     places, tensions = np.atleast_2d(np.asarray(poses, dtype=np.float64)), np.atleast_2d(lam)
     loads, acting = np.zeros((len(places), N_LOADS)), np.empty((len(places), 3))
     loads[:, :L_FX] = tensions

@@ -207,7 +207,7 @@ def advance(address, lam_l, lam_r):
     if possible and _follow(con, coefficients, settings, state, before, lam_l, lam_r):
         if settings[1] > 0.0:
             tip_columns(con, state, columns)
-            unfold(state, columns, compliance, jacobian)
+            unfold(con, state, columns, compliance, jacobian)
         return state[R_X], state[R_Z], state[R_THETA], CONVERGED
     afresh = settings[2] != 0.0
     return rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, afresh, lam_l, lam_r)

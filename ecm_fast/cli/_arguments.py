@@ -125,7 +125,7 @@ def add_model(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--order", metavar="P", type=count, help="of their shape functions; default: the model's")
 
 
-def discretization(args: argparse.Namespace) -> dict[str, int]:
+def discretization(args: argparse.Namespace) -> dict[str, Any]:
     """Return what the arguments say of the discretization, as keywords; the rest is the model's own default."""
     return {name: getattr(args, name) for name in ("elements", "order") if getattr(args, name) is not None}
 

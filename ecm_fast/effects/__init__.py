@@ -7,8 +7,9 @@ in `kernels.section` or `kernels.tip` when it changes what happens during a solv
 
 from . import camera, ends, environment, forces, geometry, path, section
 from ._entry import Effect
+from .forces import FULL_SCALE
 
-__all__ = ["CATALOGUE", "Effect"]
+__all__ = ["CATALOGUE", "FULL_SCALE", "Effect"]
 
 CATALOGUE: dict[str, Effect] = {
     effect.name: effect

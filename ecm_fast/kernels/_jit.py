@@ -25,9 +25,18 @@ from typing import Any
 
 import numba
 from numba.core import types
-from numba.extending import intrinsic, register_jitable
+from numba.extending import intrinsic, overload, register_jitable
 
-__all__ = ["CACHE_FOLDER", "array_at", "call_kernel", "kernel", "ordered_kernel", "step_kernel", "wide"]
+__all__ = [
+    "CACHE_FOLDER",
+    "array_at",
+    "by_first_type",
+    "call_kernel",
+    "kernel",
+    "ordered_kernel",
+    "step_kernel",
+    "wide",
+]
 
 _log = logging.getLogger("ecm_fast")
 _config: Any = numba.config  # its settings come from the environment, unknown to a type checker
@@ -38,7 +47,7 @@ def _sources() -> list[Path]:
     package = Path(__file__).resolve().parent.parent
     return sorted(
         path
-        for pattern in ("kernels/*.py", "effects/*.py", "mechanism.py", "parameters.py", "quantity.py")
+        for pattern in ("kernels/*.py", "effects/*.py", "families/*.py", "mechanism.py", "parameters.py", "quantity.py")
         for path in package.glob(pattern)
     )
 
@@ -89,10 +98,27 @@ def call_kernel(function: Callable[..., Any]) -> Any:
     return _compile(function, _FASTMATH, nogil=False)
 
 
+def by_first_type(choose: Callable[[Any], Any]) -> Any:
+    """Return a function that is the kernel which `choose` returns for its first argument.
+
+    While a kernel that calls it is compiled, `choose` is given that argument's type in place of its value: the choice
+    costs a call nothing.
+    """
+
+    def chosen(*arguments: Any) -> Any:
+        return choose(arguments[0])(*arguments)
+
+    register: Any = overload
+    register(chosen, jit_options=_options(_FASTMATH), strict=False)(lambda *types: choose(types[0]).py_func)
+    return chosen
+
+
+def _options(fastmath: set[str], *, forceinline: bool = False, nogil: bool = True) -> dict[str, Any]:
+    return {"error_model": "numpy", "nogil": nogil, "fastmath": fastmath, "forceinline": forceinline}
+
+
 def _compile(function: Callable[..., Any], fastmath: set[str], *, forceinline: bool = False, nogil: bool = True) -> Any:
-    options: dict[str, Any] = {
-        "error_model": "numpy", "nogil": nogil, "fastmath": fastmath, "forceinline": forceinline,
-    }  # fmt: skip
+    options = _options(fastmath, forceinline=forceinline, nogil=nogil)
     if CACHE_FOLDER is None:
         return numba.njit(**options)(function)
     # numba reads CACHE_DIR while it decorates; other packages' kernels keep their own place

@@ -8,10 +8,10 @@ __all__ = ["solve_many"]
 
 
 @kernel
-def solve_many(basis, mesh, nodes, par, loads, system, out, status, all_q):
+def solve_many(tables, mesh, nodes, par, loads, system, out, status, all_q):
     """Solve case after case, each from the unloaded state.
 
-    basis, mesh, nodes : the discretization, see `Discretization`
+    tables, mesh, nodes : the discretization, see `Discretization`
     par : (1 or n, n_parameters)   one mechanism for all cases, or one for each
     loads : (n, N_LOADS)
     system : work arrays of one thread: stations, tip, q_rest, q, work
@@ -22,6 +22,6 @@ def solve_many(basis, mesh, nodes, par, loads, system, out, status, all_q):
     for i in range(loads.shape[0]):
         if i < par.shape[0]:
             prepare(par[i], mesh, nodes, stations, tip, q_rest)
-        status[i] = solve(basis, stations, tip, q_rest, loads[i], q, work, out[i])
+        status[i] = solve(tables, stations, tip, q_rest, loads[i], q, work, out[i])
         if i < all_q.shape[0]:
             all_q[i] = q

@@ -1,7 +1,7 @@
 """From the constants of the finite element model to those of the chain of elements."""
 
 from ._jit import kernel
-from .condensed import put_head
+from .condensed import plain_section, put_head
 from .layout import (
     B_BEND,
     B_BEYOND_X,
@@ -26,8 +26,8 @@ from .layout import (
     S_KAPPA0,
     S_LOAD_X,
     S_LOAD_Z,
-    S_OFFSET,
     S_WEIGHT,
+    T_FURTHER,
 )
 from .stretch import HALF
 
@@ -50,8 +50,7 @@ def condense_chain(stations, tip, q_rest, basis, turn, stretch, con):
     stretch : see `stretch.stretch_polynomials`
     con : (constants_size,)   overwritten
 
-    Returns whether the formulation applies: the section's laws are uncoupled and the axial one is the same along
-    the beam.
+    Returns whether the formulation applies, see `condensed.condense`.
     """
     p = basis.shape[1]
     n = stations.shape[0] // p
@@ -66,7 +65,7 @@ def condense_chain(stations, tip, q_rest, basis, turn, stretch, con):
                 i += 1
     next_compliance = 0.0
     load_x, load_z = 0.0, 0.0  # of all elements beyond
-    applies = True
+    applies = tip[T_FURTHER] == 0.0
     for e in range(n - 1, -1, -1):
         own = stations[e * p : (e + 1) * p]
         j = e % COLUMNS
@@ -74,7 +73,7 @@ def condense_chain(stations, tip, q_rest, basis, turn, stretch, con):
         compliance = 0.0
         for g in range(p):
             row, w, inv_h = own[g], own[g, S_WEIGHT], own[g, S_INV_H]
-            applies = applies and row[S_OFFSET] == 0.0 and row[S_HOOKE] == stations[0, S_HOOKE]
+            applies = applies and plain_section(row) and row[S_HOOKE] == stations[0, S_HOOKE]
             beyond_x, beyond_z = load_x, load_z
             for k in range(p):
                 share = own[k, S_WEIGHT] * turn[k, g] / (inv_h * w)

@@ -57,6 +57,7 @@ from .layout import (
     R_Z,
     S_EA,
     S_EI,
+    S_FURTHER,
     S_GA,
     S_HOOKE,
     S_KAPPA0,
@@ -65,6 +66,7 @@ from .layout import (
     S_OFFSET,
     S_WEIGHT,
     T_BENDING_FORCE,
+    T_FURTHER,
     T_LENGTH,
     T_WEIGHT_X,
     T_WEIGHT_Z,
@@ -78,6 +80,7 @@ __all__ = [
     "constants_size",
     "judge",
     "nodes_of",
+    "plain_section",
     "put_head",
     "put_load",
     "settled",
@@ -115,6 +118,12 @@ def put_head(hooke, tip, theta0, stretch, con):
     con[C_STRETCH:C_STATION] = stretch[1 if hooke > 0.5 else 0]
 
 
+@step_kernel
+def plain_section(station):
+    """Whether the laws of a section are uncoupled, bending and shear linear: stretch follows from N, shear from Q."""
+    return station[S_OFFSET] == 0.0 and station[S_FURTHER] == 0.0
+
+
 @kernel
 def condense(stations, tip, q_rest, turn, slopes, stretch, con):
     """Constants of the condensed formulation, from those of the finite element model.
@@ -125,17 +134,17 @@ def condense(stations, tip, q_rest, turn, slopes, stretch, con):
     stretch : see `stretch.stretch_polynomials`
     con : (constants_size(p),)   overwritten
 
-    Returns whether the formulation applies: the section's laws are uncoupled and the axial one is the same along
-    the beam.
+    Returns whether the formulation applies: the section's laws are the plain ones and the axial one is the same along
+    the beam, nothing gives way at the beam's ends, and no stop touches the head.
     """
     p, length, theta0 = stations.shape[0], tip[T_LENGTH], q_rest[2]
     put_head(stations[0, S_HOOKE], tip, theta0, stretch, con)
     con[C_STATION:] = 0.0
     K = con[C_STATION + N_POINT * p :]
-    applies, shares = True, 0.0
+    applies, shares = tip[T_FURTHER] == 0.0, 0.0
     for g in range(p):
         row, w = stations[g], stations[g, S_WEIGHT]
-        applies = applies and row[S_OFFSET] == 0.0 and row[S_HOOKE] == stations[0, S_HOOKE]
+        applies = applies and plain_section(row) and row[S_HOOKE] == stations[0, S_HOOKE]
         point = con[C_STATION + N_POINT * g : C_STATION + N_POINT * (g + 1)]
         point[0], point[1], point[2], point[5] = w, 1.0 / (row[S_EA] * HALF), 1.0 / row[S_EA], 1.0 / row[S_GA]
         for k in range(p):

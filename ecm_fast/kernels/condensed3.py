@@ -45,9 +45,9 @@ def assemble(con, cr, cl, state, sr, j):
     o0 = state[sr * 28 + j]
     o1 = state[sr * 38 + j]
     o2 = state[sr * 48 + j]
-    t0 = con[cr * 50 + cl]
-    t1 = con[cr * 58 + cl]
-    t2 = con[cr * 66 + cl]
+    t0 = con[cr * 69 + cl]
+    t1 = con[cr * 77 + cl]
+    t2 = con[cr * 85 + cl]
     h_xx = state[sr * 16 + j]
     h_xz = state[sr * 17 + j]
     h_zz = state[sr * 18 + j]
@@ -82,24 +82,24 @@ def assemble(con, cr, cl, state, sr, j):
     state[sr * 72 + j] = g_z
     state[sr * 73 + j] = gap_x
     state[sr * 74 + j] = gap_z
-    state[sr * 30 + j] = t0 * pull - (con[cr * 67 + cl] * o0 + con[cr * 68 + cl] * o1 + con[cr * 70 + cl] * o2 - con[cr * 49 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
-    state[sr * 40 + j] = t1 * pull - (con[cr * 68 + cl] * o0 + con[cr * 69 + cl] * o1 + con[cr * 71 + cl] * o2 - con[cr * 57 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z
-    state[sr * 50 + j] = t2 * pull - (con[cr * 70 + cl] * o0 + con[cr * 71 + cl] * o1 + con[cr * 72 + cl] * o2 - con[cr * 65 + cl] + state[sr * 50 + j]) - X2 * p_x - Z2 * p_z
+    state[sr * 30 + j] = t0 * pull - (con[cr * 86 + cl] * o0 + con[cr * 87 + cl] * o1 + con[cr * 89 + cl] * o2 - con[cr * 68 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
+    state[sr * 40 + j] = t1 * pull - (con[cr * 87 + cl] * o0 + con[cr * 88 + cl] * o1 + con[cr * 90 + cl] * o2 - con[cr * 76 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z
+    state[sr * 50 + j] = t2 * pull - (con[cr * 89 + cl] * o0 + con[cr * 90 + cl] * o1 + con[cr * 91 + cl] * o2 - con[cr * 84 + cl] + state[sr * 50 + j]) - X2 * p_x - Z2 * p_z
     U0 = s_xx * X0 + s_xz * Z0 - g_x * t0
     V0 = s_xz * X0 + s_zz * Z0 - g_z * t0
     T0 = g_tt * t0 - g_x * X0 - g_z * Z0
-    state[sr * 58 + j] = con[cr * 67 + cl] + U0 * X0 + V0 * Z0 + T0 * t0 + state[sr * 29 + j]
+    state[sr * 58 + j] = con[cr * 86 + cl] + U0 * X0 + V0 * Z0 + T0 * t0 + state[sr * 29 + j]
     U1 = s_xx * X1 + s_xz * Z1 - g_x * t1
     V1 = s_xz * X1 + s_zz * Z1 - g_z * t1
     T1 = g_tt * t1 - g_x * X1 - g_z * Z1
-    state[sr * 59 + j] = con[cr * 68 + cl] + U1 * X0 + V1 * Z0 + T1 * t0
-    state[sr * 60 + j] = con[cr * 69 + cl] + U1 * X1 + V1 * Z1 + T1 * t1 + state[sr * 39 + j]
+    state[sr * 59 + j] = con[cr * 87 + cl] + U1 * X0 + V1 * Z0 + T1 * t0
+    state[sr * 60 + j] = con[cr * 88 + cl] + U1 * X1 + V1 * Z1 + T1 * t1 + state[sr * 39 + j]
     U2 = s_xx * X2 + s_xz * Z2 - g_x * t2
     V2 = s_xz * X2 + s_zz * Z2 - g_z * t2
     T2 = g_tt * t2 - g_x * X2 - g_z * Z2
-    state[sr * 61 + j] = con[cr * 70 + cl] + U2 * X0 + V2 * Z0 + T2 * t0
-    state[sr * 62 + j] = con[cr * 71 + cl] + U2 * X1 + V2 * Z1 + T2 * t1
-    state[sr * 63 + j] = con[cr * 72 + cl] + U2 * X2 + V2 * Z2 + T2 * t2 + state[sr * 49 + j]
+    state[sr * 61 + j] = con[cr * 89 + cl] + U2 * X0 + V2 * Z0 + T2 * t0
+    state[sr * 62 + j] = con[cr * 90 + cl] + U2 * X1 + V2 * Z1 + T2 * t1
+    state[sr * 63 + j] = con[cr * 91 + cl] + U2 * X2 + V2 * Z2 + T2 * t2 + state[sr * 49 + j]
 
 
 @step_kernel
@@ -144,9 +144,9 @@ def solve(con, cr, cl, state, sr, j, keep):
     o0 = state[sr * 28 + j]
     o1 = state[sr * 38 + j]
     o2 = state[sr * 48 + j]
-    t0 = con[cr * 50 + cl]
-    t1 = con[cr * 58 + cl]
-    t2 = con[cr * 66 + cl]
+    t0 = con[cr * 69 + cl]
+    t1 = con[cr * 77 + cl]
+    t2 = con[cr * 85 + cl]
     h_xx = state[sr * 16 + j]
     h_xz = state[sr * 17 + j]
     h_zz = state[sr * 18 + j]
@@ -174,12 +174,12 @@ def solve(con, cr, cl, state, sr, j, keep):
     state[sr * 38 + j] = o1
     o2 = o2 + b2
     state[sr * 48 + j] = o2
-    state[sr * 9 + j] = con[cr * 17 + cl] + t0 * o0 + t1 * o1 + t2 * o2
+    state[sr * 9 + j] = con[cr * 36 + cl] + t0 * o0 + t1 * o1 + t2 * o2
     state[sr * 5 + j] = state[sr * 5 + j] + d_x
     state[sr * 6 + j] = state[sr * 6 + j] + d_z
     state[sr * 7 + j] = state[sr * 7 + j] + f_x
     state[sr * 8 + j] = state[sr * 8 + j] + f_z
-    size = b0 * b0 + b1 * b1 + b2 * b2 + turned * turned + (d_x * d_x + d_z * d_z) * con[cr * 18 + cl] + (f_x * f_x + f_z * f_z) * con[cr * 19 + cl]
+    size = b0 * b0 + b1 * b1 + b2 * b2 + turned * turned + (d_x * d_x + d_z * d_z) * con[cr * 37 + cl] + (f_x * f_x + f_z * f_z) * con[cr * 38 + cl]
     judge(state, sr, j, pivot, size)
 
 
@@ -193,12 +193,12 @@ def tip_columns(con, state, compliance):
     Z0 = state[sr * 32 + j]
     Z1 = state[sr * 42 + j]
     Z2 = state[sr * 52 + j]
-    t0 = con[cr * 50 + cl]
+    t0 = con[cr * 69 + cl]
     I0_0 = state[sr * 58 + j]
-    t1 = con[cr * 58 + cl]
+    t1 = con[cr * 77 + cl]
     I1_0 = state[sr * 59 + j]
     I1_1 = state[sr * 60 + j]
-    t2 = con[cr * 66 + cl]
+    t2 = con[cr * 85 + cl]
     L2_0 = state[sr * 61 + j]
     L2_1 = state[sr * 62 + j]
     I2_2 = state[sr * 63 + j]
@@ -412,28 +412,28 @@ def advance(address, lam_l, lam_r):
 
     Returns x, z, theta, status.
     """
-    memory = array_at(address, 780)
+    memory = array_at(address, 848)
     settings = memory[0:3]
-    con = memory[3:76]
-    state = memory[76:151]
-    before = memory[151:161]
-    columns = memory[161:167]
-    jacobian = memory[167:173].reshape((3, 2))
-    compliance = memory[173:182].reshape((3, 3))
-    coefficients = memory[182:350].reshape((8, 21))
-    loads = memory[350:356]
-    tables = memory[356:392].reshape((3, 3, 4))
-    stations = memory[392:422].reshape((3, 10))
-    tip = memory[422:438]
-    q_rest = memory[438:450]
-    q = memory[450:462]
-    out = memory[462:474]
-    work = memory[474:780]
+    con = memory[3:95]
+    state = memory[95:170]
+    before = memory[170:180]
+    columns = memory[180:186]
+    jacobian = memory[186:192].reshape((3, 2))
+    compliance = memory[192:201].reshape((3, 3))
+    coefficients = memory[201:369].reshape((8, 21))
+    loads = memory[369:375]
+    tables = memory[375:411].reshape((3, 3, 4))
+    stations = memory[411:471].reshape((3, 20))
+    tip = memory[471:506]
+    q_rest = memory[506:518]
+    q = memory[518:530]
+    out = memory[530:542]
+    work = memory[542:848]
     possible = 0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf
     if possible and _follow(con, coefficients, settings, state, before, lam_l, lam_r):
         if settings[1] > 0.0:
             tip_columns(con, state, columns)
-            unfold(state, columns, compliance, jacobian)
+            unfold(con, state, columns, compliance, jacobian)
         return state[R_X], state[R_Z], state[R_THETA], CONVERGED
     afresh = settings[2] != 0.0
     return rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, afresh, lam_l, lam_r)

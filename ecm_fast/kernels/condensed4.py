@@ -48,10 +48,10 @@ def assemble(con, cr, cl, state, sr, j):
     o1 = state[sr * 38 + j]
     o2 = state[sr * 48 + j]
     o3 = state[sr * 58 + j]
-    t0 = con[cr * 50 + cl]
-    t1 = con[cr * 58 + cl]
-    t2 = con[cr * 66 + cl]
-    t3 = con[cr * 74 + cl]
+    t0 = con[cr * 69 + cl]
+    t1 = con[cr * 77 + cl]
+    t2 = con[cr * 85 + cl]
+    t3 = con[cr * 93 + cl]
     h_xx = state[sr * 16 + j]
     h_xz = state[sr * 17 + j]
     h_zz = state[sr * 18 + j]
@@ -86,32 +86,32 @@ def assemble(con, cr, cl, state, sr, j):
     state[sr * 86 + j] = g_z
     state[sr * 87 + j] = gap_x
     state[sr * 88 + j] = gap_z
-    state[sr * 30 + j] = t0 * pull - (con[cr * 75 + cl] * o0 + con[cr * 76 + cl] * o1 + con[cr * 78 + cl] * o2 + con[cr * 81 + cl] * o3 - con[cr * 49 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
-    state[sr * 40 + j] = t1 * pull - (con[cr * 76 + cl] * o0 + con[cr * 77 + cl] * o1 + con[cr * 79 + cl] * o2 + con[cr * 82 + cl] * o3 - con[cr * 57 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z
-    state[sr * 50 + j] = t2 * pull - (con[cr * 78 + cl] * o0 + con[cr * 79 + cl] * o1 + con[cr * 80 + cl] * o2 + con[cr * 83 + cl] * o3 - con[cr * 65 + cl] + state[sr * 50 + j]) - X2 * p_x - Z2 * p_z
-    state[sr * 60 + j] = t3 * pull - (con[cr * 81 + cl] * o0 + con[cr * 82 + cl] * o1 + con[cr * 83 + cl] * o2 + con[cr * 84 + cl] * o3 - con[cr * 73 + cl] + state[sr * 60 + j]) - X3 * p_x - Z3 * p_z
+    state[sr * 30 + j] = t0 * pull - (con[cr * 94 + cl] * o0 + con[cr * 95 + cl] * o1 + con[cr * 97 + cl] * o2 + con[cr * 100 + cl] * o3 - con[cr * 68 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
+    state[sr * 40 + j] = t1 * pull - (con[cr * 95 + cl] * o0 + con[cr * 96 + cl] * o1 + con[cr * 98 + cl] * o2 + con[cr * 101 + cl] * o3 - con[cr * 76 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z
+    state[sr * 50 + j] = t2 * pull - (con[cr * 97 + cl] * o0 + con[cr * 98 + cl] * o1 + con[cr * 99 + cl] * o2 + con[cr * 102 + cl] * o3 - con[cr * 84 + cl] + state[sr * 50 + j]) - X2 * p_x - Z2 * p_z
+    state[sr * 60 + j] = t3 * pull - (con[cr * 100 + cl] * o0 + con[cr * 101 + cl] * o1 + con[cr * 102 + cl] * o2 + con[cr * 103 + cl] * o3 - con[cr * 92 + cl] + state[sr * 60 + j]) - X3 * p_x - Z3 * p_z
     U0 = s_xx * X0 + s_xz * Z0 - g_x * t0
     V0 = s_xz * X0 + s_zz * Z0 - g_z * t0
     T0 = g_tt * t0 - g_x * X0 - g_z * Z0
-    state[sr * 68 + j] = con[cr * 75 + cl] + U0 * X0 + V0 * Z0 + T0 * t0 + state[sr * 29 + j]
+    state[sr * 68 + j] = con[cr * 94 + cl] + U0 * X0 + V0 * Z0 + T0 * t0 + state[sr * 29 + j]
     U1 = s_xx * X1 + s_xz * Z1 - g_x * t1
     V1 = s_xz * X1 + s_zz * Z1 - g_z * t1
     T1 = g_tt * t1 - g_x * X1 - g_z * Z1
-    state[sr * 69 + j] = con[cr * 76 + cl] + U1 * X0 + V1 * Z0 + T1 * t0
-    state[sr * 70 + j] = con[cr * 77 + cl] + U1 * X1 + V1 * Z1 + T1 * t1 + state[sr * 39 + j]
+    state[sr * 69 + j] = con[cr * 95 + cl] + U1 * X0 + V1 * Z0 + T1 * t0
+    state[sr * 70 + j] = con[cr * 96 + cl] + U1 * X1 + V1 * Z1 + T1 * t1 + state[sr * 39 + j]
     U2 = s_xx * X2 + s_xz * Z2 - g_x * t2
     V2 = s_xz * X2 + s_zz * Z2 - g_z * t2
     T2 = g_tt * t2 - g_x * X2 - g_z * Z2
-    state[sr * 71 + j] = con[cr * 78 + cl] + U2 * X0 + V2 * Z0 + T2 * t0
-    state[sr * 72 + j] = con[cr * 79 + cl] + U2 * X1 + V2 * Z1 + T2 * t1
-    state[sr * 73 + j] = con[cr * 80 + cl] + U2 * X2 + V2 * Z2 + T2 * t2 + state[sr * 49 + j]
+    state[sr * 71 + j] = con[cr * 97 + cl] + U2 * X0 + V2 * Z0 + T2 * t0
+    state[sr * 72 + j] = con[cr * 98 + cl] + U2 * X1 + V2 * Z1 + T2 * t1
+    state[sr * 73 + j] = con[cr * 99 + cl] + U2 * X2 + V2 * Z2 + T2 * t2 + state[sr * 49 + j]
     U3 = s_xx * X3 + s_xz * Z3 - g_x * t3
     V3 = s_xz * X3 + s_zz * Z3 - g_z * t3
     T3 = g_tt * t3 - g_x * X3 - g_z * Z3
-    state[sr * 74 + j] = con[cr * 81 + cl] + U3 * X0 + V3 * Z0 + T3 * t0
-    state[sr * 75 + j] = con[cr * 82 + cl] + U3 * X1 + V3 * Z1 + T3 * t1
-    state[sr * 76 + j] = con[cr * 83 + cl] + U3 * X2 + V3 * Z2 + T3 * t2
-    state[sr * 77 + j] = con[cr * 84 + cl] + U3 * X3 + V3 * Z3 + T3 * t3 + state[sr * 59 + j]
+    state[sr * 74 + j] = con[cr * 100 + cl] + U3 * X0 + V3 * Z0 + T3 * t0
+    state[sr * 75 + j] = con[cr * 101 + cl] + U3 * X1 + V3 * Z1 + T3 * t1
+    state[sr * 76 + j] = con[cr * 102 + cl] + U3 * X2 + V3 * Z2 + T3 * t2
+    state[sr * 77 + j] = con[cr * 103 + cl] + U3 * X3 + V3 * Z3 + T3 * t3 + state[sr * 59 + j]
 
 
 @step_kernel
@@ -176,10 +176,10 @@ def solve(con, cr, cl, state, sr, j, keep):
     o1 = state[sr * 38 + j]
     o2 = state[sr * 48 + j]
     o3 = state[sr * 58 + j]
-    t0 = con[cr * 50 + cl]
-    t1 = con[cr * 58 + cl]
-    t2 = con[cr * 66 + cl]
-    t3 = con[cr * 74 + cl]
+    t0 = con[cr * 69 + cl]
+    t1 = con[cr * 77 + cl]
+    t2 = con[cr * 85 + cl]
+    t3 = con[cr * 93 + cl]
     h_xx = state[sr * 16 + j]
     h_xz = state[sr * 17 + j]
     h_zz = state[sr * 18 + j]
@@ -209,12 +209,12 @@ def solve(con, cr, cl, state, sr, j, keep):
     state[sr * 48 + j] = o2
     o3 = o3 + b3
     state[sr * 58 + j] = o3
-    state[sr * 9 + j] = con[cr * 17 + cl] + t0 * o0 + t1 * o1 + t2 * o2 + t3 * o3
+    state[sr * 9 + j] = con[cr * 36 + cl] + t0 * o0 + t1 * o1 + t2 * o2 + t3 * o3
     state[sr * 5 + j] = state[sr * 5 + j] + d_x
     state[sr * 6 + j] = state[sr * 6 + j] + d_z
     state[sr * 7 + j] = state[sr * 7 + j] + f_x
     state[sr * 8 + j] = state[sr * 8 + j] + f_z
-    size = b0 * b0 + b1 * b1 + b2 * b2 + b3 * b3 + turned * turned + (d_x * d_x + d_z * d_z) * con[cr * 18 + cl] + (f_x * f_x + f_z * f_z) * con[cr * 19 + cl]
+    size = b0 * b0 + b1 * b1 + b2 * b2 + b3 * b3 + turned * turned + (d_x * d_x + d_z * d_z) * con[cr * 37 + cl] + (f_x * f_x + f_z * f_z) * con[cr * 38 + cl]
     judge(state, sr, j, pivot, size)
 
 
@@ -230,16 +230,16 @@ def tip_columns(con, state, compliance):
     Z1 = state[sr * 42 + j]
     Z2 = state[sr * 52 + j]
     Z3 = state[sr * 62 + j]
-    t0 = con[cr * 50 + cl]
+    t0 = con[cr * 69 + cl]
     I0_0 = state[sr * 68 + j]
-    t1 = con[cr * 58 + cl]
+    t1 = con[cr * 77 + cl]
     I1_0 = state[sr * 69 + j]
     I1_1 = state[sr * 70 + j]
-    t2 = con[cr * 66 + cl]
+    t2 = con[cr * 85 + cl]
     L2_0 = state[sr * 71 + j]
     L2_1 = state[sr * 72 + j]
     I2_2 = state[sr * 73 + j]
-    t3 = con[cr * 74 + cl]
+    t3 = con[cr * 93 + cl]
     L3_0 = state[sr * 74 + j]
     L3_1 = state[sr * 75 + j]
     I3_2 = state[sr * 76 + j]
@@ -463,28 +463,28 @@ def advance(address, lam_l, lam_r):
 
     Returns x, z, theta, status.
     """
-    memory = array_at(address, 1033)
+    memory = array_at(address, 1111)
     settings = memory[0:3]
-    con = memory[3:88]
-    state = memory[88:177]
-    before = memory[177:188]
-    columns = memory[188:194]
-    jacobian = memory[194:200].reshape((3, 2))
-    compliance = memory[200:209].reshape((3, 3))
-    coefficients = memory[209:398].reshape((9, 21))
-    loads = memory[398:404]
-    tables = memory[404:464].reshape((3, 4, 5))
-    stations = memory[464:504].reshape((4, 10))
-    tip = memory[504:520]
-    q_rest = memory[520:535]
-    q = memory[535:550]
-    out = memory[550:562]
-    work = memory[562:1033]
+    con = memory[3:107]
+    state = memory[107:196]
+    before = memory[196:207]
+    columns = memory[207:213]
+    jacobian = memory[213:219].reshape((3, 2))
+    compliance = memory[219:228].reshape((3, 3))
+    coefficients = memory[228:417].reshape((9, 21))
+    loads = memory[417:423]
+    tables = memory[423:483].reshape((3, 4, 5))
+    stations = memory[483:563].reshape((4, 20))
+    tip = memory[563:598]
+    q_rest = memory[598:613]
+    q = memory[613:628]
+    out = memory[628:640]
+    work = memory[640:1111]
     possible = 0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf
     if possible and _follow(con, coefficients, settings, state, before, lam_l, lam_r):
         if settings[1] > 0.0:
             tip_columns(con, state, columns)
-            unfold(state, columns, compliance, jacobian)
+            unfold(con, state, columns, compliance, jacobian)
         return state[R_X], state[R_Z], state[R_THETA], CONVERGED
     afresh = settings[2] != 0.0
     return rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, afresh, lam_l, lam_r)

@@ -51,11 +51,11 @@ def assemble(con, cr, cl, state, sr, j):
     o2 = state[sr * 48 + j]
     o3 = state[sr * 58 + j]
     o4 = state[sr * 68 + j]
-    t0 = con[cr * 50 + cl]
-    t1 = con[cr * 58 + cl]
-    t2 = con[cr * 66 + cl]
-    t3 = con[cr * 74 + cl]
-    t4 = con[cr * 82 + cl]
+    t0 = con[cr * 69 + cl]
+    t1 = con[cr * 77 + cl]
+    t2 = con[cr * 85 + cl]
+    t3 = con[cr * 93 + cl]
+    t4 = con[cr * 101 + cl]
     h_xx = state[sr * 16 + j]
     h_xz = state[sr * 17 + j]
     h_zz = state[sr * 18 + j]
@@ -90,41 +90,41 @@ def assemble(con, cr, cl, state, sr, j):
     state[sr * 101 + j] = g_z
     state[sr * 102 + j] = gap_x
     state[sr * 103 + j] = gap_z
-    state[sr * 30 + j] = t0 * pull - (con[cr * 83 + cl] * o0 + con[cr * 84 + cl] * o1 + con[cr * 86 + cl] * o2 + con[cr * 89 + cl] * o3 + con[cr * 93 + cl] * o4 - con[cr * 49 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
-    state[sr * 40 + j] = t1 * pull - (con[cr * 84 + cl] * o0 + con[cr * 85 + cl] * o1 + con[cr * 87 + cl] * o2 + con[cr * 90 + cl] * o3 + con[cr * 94 + cl] * o4 - con[cr * 57 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z
-    state[sr * 50 + j] = t2 * pull - (con[cr * 86 + cl] * o0 + con[cr * 87 + cl] * o1 + con[cr * 88 + cl] * o2 + con[cr * 91 + cl] * o3 + con[cr * 95 + cl] * o4 - con[cr * 65 + cl] + state[sr * 50 + j]) - X2 * p_x - Z2 * p_z
-    state[sr * 60 + j] = t3 * pull - (con[cr * 89 + cl] * o0 + con[cr * 90 + cl] * o1 + con[cr * 91 + cl] * o2 + con[cr * 92 + cl] * o3 + con[cr * 96 + cl] * o4 - con[cr * 73 + cl] + state[sr * 60 + j]) - X3 * p_x - Z3 * p_z
-    state[sr * 70 + j] = t4 * pull - (con[cr * 93 + cl] * o0 + con[cr * 94 + cl] * o1 + con[cr * 95 + cl] * o2 + con[cr * 96 + cl] * o3 + con[cr * 97 + cl] * o4 - con[cr * 81 + cl] + state[sr * 70 + j]) - X4 * p_x - Z4 * p_z
+    state[sr * 30 + j] = t0 * pull - (con[cr * 102 + cl] * o0 + con[cr * 103 + cl] * o1 + con[cr * 105 + cl] * o2 + con[cr * 108 + cl] * o3 + con[cr * 112 + cl] * o4 - con[cr * 68 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
+    state[sr * 40 + j] = t1 * pull - (con[cr * 103 + cl] * o0 + con[cr * 104 + cl] * o1 + con[cr * 106 + cl] * o2 + con[cr * 109 + cl] * o3 + con[cr * 113 + cl] * o4 - con[cr * 76 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z
+    state[sr * 50 + j] = t2 * pull - (con[cr * 105 + cl] * o0 + con[cr * 106 + cl] * o1 + con[cr * 107 + cl] * o2 + con[cr * 110 + cl] * o3 + con[cr * 114 + cl] * o4 - con[cr * 84 + cl] + state[sr * 50 + j]) - X2 * p_x - Z2 * p_z
+    state[sr * 60 + j] = t3 * pull - (con[cr * 108 + cl] * o0 + con[cr * 109 + cl] * o1 + con[cr * 110 + cl] * o2 + con[cr * 111 + cl] * o3 + con[cr * 115 + cl] * o4 - con[cr * 92 + cl] + state[sr * 60 + j]) - X3 * p_x - Z3 * p_z
+    state[sr * 70 + j] = t4 * pull - (con[cr * 112 + cl] * o0 + con[cr * 113 + cl] * o1 + con[cr * 114 + cl] * o2 + con[cr * 115 + cl] * o3 + con[cr * 116 + cl] * o4 - con[cr * 100 + cl] + state[sr * 70 + j]) - X4 * p_x - Z4 * p_z
     U0 = s_xx * X0 + s_xz * Z0 - g_x * t0
     V0 = s_xz * X0 + s_zz * Z0 - g_z * t0
     T0 = g_tt * t0 - g_x * X0 - g_z * Z0
-    state[sr * 78 + j] = con[cr * 83 + cl] + U0 * X0 + V0 * Z0 + T0 * t0 + state[sr * 29 + j]
+    state[sr * 78 + j] = con[cr * 102 + cl] + U0 * X0 + V0 * Z0 + T0 * t0 + state[sr * 29 + j]
     U1 = s_xx * X1 + s_xz * Z1 - g_x * t1
     V1 = s_xz * X1 + s_zz * Z1 - g_z * t1
     T1 = g_tt * t1 - g_x * X1 - g_z * Z1
-    state[sr * 79 + j] = con[cr * 84 + cl] + U1 * X0 + V1 * Z0 + T1 * t0
-    state[sr * 80 + j] = con[cr * 85 + cl] + U1 * X1 + V1 * Z1 + T1 * t1 + state[sr * 39 + j]
+    state[sr * 79 + j] = con[cr * 103 + cl] + U1 * X0 + V1 * Z0 + T1 * t0
+    state[sr * 80 + j] = con[cr * 104 + cl] + U1 * X1 + V1 * Z1 + T1 * t1 + state[sr * 39 + j]
     U2 = s_xx * X2 + s_xz * Z2 - g_x * t2
     V2 = s_xz * X2 + s_zz * Z2 - g_z * t2
     T2 = g_tt * t2 - g_x * X2 - g_z * Z2
-    state[sr * 81 + j] = con[cr * 86 + cl] + U2 * X0 + V2 * Z0 + T2 * t0
-    state[sr * 82 + j] = con[cr * 87 + cl] + U2 * X1 + V2 * Z1 + T2 * t1
-    state[sr * 83 + j] = con[cr * 88 + cl] + U2 * X2 + V2 * Z2 + T2 * t2 + state[sr * 49 + j]
+    state[sr * 81 + j] = con[cr * 105 + cl] + U2 * X0 + V2 * Z0 + T2 * t0
+    state[sr * 82 + j] = con[cr * 106 + cl] + U2 * X1 + V2 * Z1 + T2 * t1
+    state[sr * 83 + j] = con[cr * 107 + cl] + U2 * X2 + V2 * Z2 + T2 * t2 + state[sr * 49 + j]
     U3 = s_xx * X3 + s_xz * Z3 - g_x * t3
     V3 = s_xz * X3 + s_zz * Z3 - g_z * t3
     T3 = g_tt * t3 - g_x * X3 - g_z * Z3
-    state[sr * 84 + j] = con[cr * 89 + cl] + U3 * X0 + V3 * Z0 + T3 * t0
-    state[sr * 85 + j] = con[cr * 90 + cl] + U3 * X1 + V3 * Z1 + T3 * t1
-    state[sr * 86 + j] = con[cr * 91 + cl] + U3 * X2 + V3 * Z2 + T3 * t2
-    state[sr * 87 + j] = con[cr * 92 + cl] + U3 * X3 + V3 * Z3 + T3 * t3 + state[sr * 59 + j]
+    state[sr * 84 + j] = con[cr * 108 + cl] + U3 * X0 + V3 * Z0 + T3 * t0
+    state[sr * 85 + j] = con[cr * 109 + cl] + U3 * X1 + V3 * Z1 + T3 * t1
+    state[sr * 86 + j] = con[cr * 110 + cl] + U3 * X2 + V3 * Z2 + T3 * t2
+    state[sr * 87 + j] = con[cr * 111 + cl] + U3 * X3 + V3 * Z3 + T3 * t3 + state[sr * 59 + j]
     U4 = s_xx * X4 + s_xz * Z4 - g_x * t4
     V4 = s_xz * X4 + s_zz * Z4 - g_z * t4
     T4 = g_tt * t4 - g_x * X4 - g_z * Z4
-    state[sr * 88 + j] = con[cr * 93 + cl] + U4 * X0 + V4 * Z0 + T4 * t0
-    state[sr * 89 + j] = con[cr * 94 + cl] + U4 * X1 + V4 * Z1 + T4 * t1
-    state[sr * 90 + j] = con[cr * 95 + cl] + U4 * X2 + V4 * Z2 + T4 * t2
-    state[sr * 91 + j] = con[cr * 96 + cl] + U4 * X3 + V4 * Z3 + T4 * t3
-    state[sr * 92 + j] = con[cr * 97 + cl] + U4 * X4 + V4 * Z4 + T4 * t4 + state[sr * 69 + j]
+    state[sr * 88 + j] = con[cr * 112 + cl] + U4 * X0 + V4 * Z0 + T4 * t0
+    state[sr * 89 + j] = con[cr * 113 + cl] + U4 * X1 + V4 * Z1 + T4 * t1
+    state[sr * 90 + j] = con[cr * 114 + cl] + U4 * X2 + V4 * Z2 + T4 * t2
+    state[sr * 91 + j] = con[cr * 115 + cl] + U4 * X3 + V4 * Z3 + T4 * t3
+    state[sr * 92 + j] = con[cr * 116 + cl] + U4 * X4 + V4 * Z4 + T4 * t4 + state[sr * 69 + j]
 
 
 @step_kernel
@@ -216,11 +216,11 @@ def solve(con, cr, cl, state, sr, j, keep):
     o2 = state[sr * 48 + j]
     o3 = state[sr * 58 + j]
     o4 = state[sr * 68 + j]
-    t0 = con[cr * 50 + cl]
-    t1 = con[cr * 58 + cl]
-    t2 = con[cr * 66 + cl]
-    t3 = con[cr * 74 + cl]
-    t4 = con[cr * 82 + cl]
+    t0 = con[cr * 69 + cl]
+    t1 = con[cr * 77 + cl]
+    t2 = con[cr * 85 + cl]
+    t3 = con[cr * 93 + cl]
+    t4 = con[cr * 101 + cl]
     h_xx = state[sr * 16 + j]
     h_xz = state[sr * 17 + j]
     h_zz = state[sr * 18 + j]
@@ -252,12 +252,12 @@ def solve(con, cr, cl, state, sr, j, keep):
     state[sr * 58 + j] = o3
     o4 = o4 + b4
     state[sr * 68 + j] = o4
-    state[sr * 9 + j] = con[cr * 17 + cl] + t0 * o0 + t1 * o1 + t2 * o2 + t3 * o3 + t4 * o4
+    state[sr * 9 + j] = con[cr * 36 + cl] + t0 * o0 + t1 * o1 + t2 * o2 + t3 * o3 + t4 * o4
     state[sr * 5 + j] = state[sr * 5 + j] + d_x
     state[sr * 6 + j] = state[sr * 6 + j] + d_z
     state[sr * 7 + j] = state[sr * 7 + j] + f_x
     state[sr * 8 + j] = state[sr * 8 + j] + f_z
-    size = b0 * b0 + b1 * b1 + b2 * b2 + b3 * b3 + b4 * b4 + turned * turned + (d_x * d_x + d_z * d_z) * con[cr * 18 + cl] + (f_x * f_x + f_z * f_z) * con[cr * 19 + cl]
+    size = b0 * b0 + b1 * b1 + b2 * b2 + b3 * b3 + b4 * b4 + turned * turned + (d_x * d_x + d_z * d_z) * con[cr * 37 + cl] + (f_x * f_x + f_z * f_z) * con[cr * 38 + cl]
     judge(state, sr, j, pivot, size)
 
 
@@ -275,21 +275,21 @@ def tip_columns(con, state, compliance):
     Z2 = state[sr * 52 + j]
     Z3 = state[sr * 62 + j]
     Z4 = state[sr * 72 + j]
-    t0 = con[cr * 50 + cl]
+    t0 = con[cr * 69 + cl]
     I0_0 = state[sr * 78 + j]
-    t1 = con[cr * 58 + cl]
+    t1 = con[cr * 77 + cl]
     I1_0 = state[sr * 79 + j]
     I1_1 = state[sr * 80 + j]
-    t2 = con[cr * 66 + cl]
+    t2 = con[cr * 85 + cl]
     L2_0 = state[sr * 81 + j]
     L2_1 = state[sr * 82 + j]
     I2_2 = state[sr * 83 + j]
-    t3 = con[cr * 74 + cl]
+    t3 = con[cr * 93 + cl]
     L3_0 = state[sr * 84 + j]
     L3_1 = state[sr * 85 + j]
     I3_2 = state[sr * 86 + j]
     I3_3 = state[sr * 87 + j]
-    t4 = con[cr * 82 + cl]
+    t4 = con[cr * 101 + cl]
     L4_0 = state[sr * 88 + j]
     L4_1 = state[sr * 89 + j]
     L4_2 = state[sr * 90 + j]
@@ -529,28 +529,28 @@ def advance(address, lam_l, lam_r):
 
     Returns x, z, theta, status.
     """
-    memory = array_at(address, 1330)
+    memory = array_at(address, 1418)
     settings = memory[0:3]
-    con = memory[3:101]
-    state = memory[101:205]
-    before = memory[205:217]
-    columns = memory[217:223]
-    jacobian = memory[223:229].reshape((3, 2))
-    compliance = memory[229:238].reshape((3, 3))
-    coefficients = memory[238:448].reshape((10, 21))
-    loads = memory[448:454]
-    tables = memory[454:544].reshape((3, 5, 6))
-    stations = memory[544:594].reshape((5, 10))
-    tip = memory[594:610]
-    q_rest = memory[610:628]
-    q = memory[628:646]
-    out = memory[646:658]
-    work = memory[658:1330]
+    con = memory[3:120]
+    state = memory[120:224]
+    before = memory[224:236]
+    columns = memory[236:242]
+    jacobian = memory[242:248].reshape((3, 2))
+    compliance = memory[248:257].reshape((3, 3))
+    coefficients = memory[257:467].reshape((10, 21))
+    loads = memory[467:473]
+    tables = memory[473:563].reshape((3, 5, 6))
+    stations = memory[563:663].reshape((5, 20))
+    tip = memory[663:698]
+    q_rest = memory[698:716]
+    q = memory[716:734]
+    out = memory[734:746]
+    work = memory[746:1418]
     possible = 0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf
     if possible and _follow(con, coefficients, settings, state, before, lam_l, lam_r):
         if settings[1] > 0.0:
             tip_columns(con, state, columns)
-            unfold(state, columns, compliance, jacobian)
+            unfold(con, state, columns, compliance, jacobian)
         return state[R_X], state[R_Z], state[R_THETA], CONVERGED
     afresh = settings[2] != 0.0
     return rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, afresh, lam_l, lam_r)

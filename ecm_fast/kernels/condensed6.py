@@ -54,12 +54,12 @@ def assemble(con, cr, cl, state, sr, j):
     o3 = state[sr * 58 + j]
     o4 = state[sr * 68 + j]
     o5 = state[sr * 78 + j]
-    t0 = con[cr * 50 + cl]
-    t1 = con[cr * 58 + cl]
-    t2 = con[cr * 66 + cl]
-    t3 = con[cr * 74 + cl]
-    t4 = con[cr * 82 + cl]
-    t5 = con[cr * 90 + cl]
+    t0 = con[cr * 69 + cl]
+    t1 = con[cr * 77 + cl]
+    t2 = con[cr * 85 + cl]
+    t3 = con[cr * 93 + cl]
+    t4 = con[cr * 101 + cl]
+    t5 = con[cr * 109 + cl]
     h_xx = state[sr * 16 + j]
     h_xz = state[sr * 17 + j]
     h_zz = state[sr * 18 + j]
@@ -94,51 +94,51 @@ def assemble(con, cr, cl, state, sr, j):
     state[sr * 117 + j] = g_z
     state[sr * 118 + j] = gap_x
     state[sr * 119 + j] = gap_z
-    state[sr * 30 + j] = t0 * pull - (con[cr * 91 + cl] * o0 + con[cr * 92 + cl] * o1 + con[cr * 94 + cl] * o2 + con[cr * 97 + cl] * o3 + con[cr * 101 + cl] * o4 + con[cr * 106 + cl] * o5 - con[cr * 49 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
-    state[sr * 40 + j] = t1 * pull - (con[cr * 92 + cl] * o0 + con[cr * 93 + cl] * o1 + con[cr * 95 + cl] * o2 + con[cr * 98 + cl] * o3 + con[cr * 102 + cl] * o4 + con[cr * 107 + cl] * o5 - con[cr * 57 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z
-    state[sr * 50 + j] = t2 * pull - (con[cr * 94 + cl] * o0 + con[cr * 95 + cl] * o1 + con[cr * 96 + cl] * o2 + con[cr * 99 + cl] * o3 + con[cr * 103 + cl] * o4 + con[cr * 108 + cl] * o5 - con[cr * 65 + cl] + state[sr * 50 + j]) - X2 * p_x - Z2 * p_z
-    state[sr * 60 + j] = t3 * pull - (con[cr * 97 + cl] * o0 + con[cr * 98 + cl] * o1 + con[cr * 99 + cl] * o2 + con[cr * 100 + cl] * o3 + con[cr * 104 + cl] * o4 + con[cr * 109 + cl] * o5 - con[cr * 73 + cl] + state[sr * 60 + j]) - X3 * p_x - Z3 * p_z
-    state[sr * 70 + j] = t4 * pull - (con[cr * 101 + cl] * o0 + con[cr * 102 + cl] * o1 + con[cr * 103 + cl] * o2 + con[cr * 104 + cl] * o3 + con[cr * 105 + cl] * o4 + con[cr * 110 + cl] * o5 - con[cr * 81 + cl] + state[sr * 70 + j]) - X4 * p_x - Z4 * p_z
-    state[sr * 80 + j] = t5 * pull - (con[cr * 106 + cl] * o0 + con[cr * 107 + cl] * o1 + con[cr * 108 + cl] * o2 + con[cr * 109 + cl] * o3 + con[cr * 110 + cl] * o4 + con[cr * 111 + cl] * o5 - con[cr * 89 + cl] + state[sr * 80 + j]) - X5 * p_x - Z5 * p_z
+    state[sr * 30 + j] = t0 * pull - (con[cr * 110 + cl] * o0 + con[cr * 111 + cl] * o1 + con[cr * 113 + cl] * o2 + con[cr * 116 + cl] * o3 + con[cr * 120 + cl] * o4 + con[cr * 125 + cl] * o5 - con[cr * 68 + cl] + state[sr * 30 + j]) - X0 * p_x - Z0 * p_z
+    state[sr * 40 + j] = t1 * pull - (con[cr * 111 + cl] * o0 + con[cr * 112 + cl] * o1 + con[cr * 114 + cl] * o2 + con[cr * 117 + cl] * o3 + con[cr * 121 + cl] * o4 + con[cr * 126 + cl] * o5 - con[cr * 76 + cl] + state[sr * 40 + j]) - X1 * p_x - Z1 * p_z
+    state[sr * 50 + j] = t2 * pull - (con[cr * 113 + cl] * o0 + con[cr * 114 + cl] * o1 + con[cr * 115 + cl] * o2 + con[cr * 118 + cl] * o3 + con[cr * 122 + cl] * o4 + con[cr * 127 + cl] * o5 - con[cr * 84 + cl] + state[sr * 50 + j]) - X2 * p_x - Z2 * p_z
+    state[sr * 60 + j] = t3 * pull - (con[cr * 116 + cl] * o0 + con[cr * 117 + cl] * o1 + con[cr * 118 + cl] * o2 + con[cr * 119 + cl] * o3 + con[cr * 123 + cl] * o4 + con[cr * 128 + cl] * o5 - con[cr * 92 + cl] + state[sr * 60 + j]) - X3 * p_x - Z3 * p_z
+    state[sr * 70 + j] = t4 * pull - (con[cr * 120 + cl] * o0 + con[cr * 121 + cl] * o1 + con[cr * 122 + cl] * o2 + con[cr * 123 + cl] * o3 + con[cr * 124 + cl] * o4 + con[cr * 129 + cl] * o5 - con[cr * 100 + cl] + state[sr * 70 + j]) - X4 * p_x - Z4 * p_z
+    state[sr * 80 + j] = t5 * pull - (con[cr * 125 + cl] * o0 + con[cr * 126 + cl] * o1 + con[cr * 127 + cl] * o2 + con[cr * 128 + cl] * o3 + con[cr * 129 + cl] * o4 + con[cr * 130 + cl] * o5 - con[cr * 108 + cl] + state[sr * 80 + j]) - X5 * p_x - Z5 * p_z
     U0 = s_xx * X0 + s_xz * Z0 - g_x * t0
     V0 = s_xz * X0 + s_zz * Z0 - g_z * t0
     T0 = g_tt * t0 - g_x * X0 - g_z * Z0
-    state[sr * 88 + j] = con[cr * 91 + cl] + U0 * X0 + V0 * Z0 + T0 * t0 + state[sr * 29 + j]
+    state[sr * 88 + j] = con[cr * 110 + cl] + U0 * X0 + V0 * Z0 + T0 * t0 + state[sr * 29 + j]
     U1 = s_xx * X1 + s_xz * Z1 - g_x * t1
     V1 = s_xz * X1 + s_zz * Z1 - g_z * t1
     T1 = g_tt * t1 - g_x * X1 - g_z * Z1
-    state[sr * 89 + j] = con[cr * 92 + cl] + U1 * X0 + V1 * Z0 + T1 * t0
-    state[sr * 90 + j] = con[cr * 93 + cl] + U1 * X1 + V1 * Z1 + T1 * t1 + state[sr * 39 + j]
+    state[sr * 89 + j] = con[cr * 111 + cl] + U1 * X0 + V1 * Z0 + T1 * t0
+    state[sr * 90 + j] = con[cr * 112 + cl] + U1 * X1 + V1 * Z1 + T1 * t1 + state[sr * 39 + j]
     U2 = s_xx * X2 + s_xz * Z2 - g_x * t2
     V2 = s_xz * X2 + s_zz * Z2 - g_z * t2
     T2 = g_tt * t2 - g_x * X2 - g_z * Z2
-    state[sr * 91 + j] = con[cr * 94 + cl] + U2 * X0 + V2 * Z0 + T2 * t0
-    state[sr * 92 + j] = con[cr * 95 + cl] + U2 * X1 + V2 * Z1 + T2 * t1
-    state[sr * 93 + j] = con[cr * 96 + cl] + U2 * X2 + V2 * Z2 + T2 * t2 + state[sr * 49 + j]
+    state[sr * 91 + j] = con[cr * 113 + cl] + U2 * X0 + V2 * Z0 + T2 * t0
+    state[sr * 92 + j] = con[cr * 114 + cl] + U2 * X1 + V2 * Z1 + T2 * t1
+    state[sr * 93 + j] = con[cr * 115 + cl] + U2 * X2 + V2 * Z2 + T2 * t2 + state[sr * 49 + j]
     U3 = s_xx * X3 + s_xz * Z3 - g_x * t3
     V3 = s_xz * X3 + s_zz * Z3 - g_z * t3
     T3 = g_tt * t3 - g_x * X3 - g_z * Z3
-    state[sr * 94 + j] = con[cr * 97 + cl] + U3 * X0 + V3 * Z0 + T3 * t0
-    state[sr * 95 + j] = con[cr * 98 + cl] + U3 * X1 + V3 * Z1 + T3 * t1
-    state[sr * 96 + j] = con[cr * 99 + cl] + U3 * X2 + V3 * Z2 + T3 * t2
-    state[sr * 97 + j] = con[cr * 100 + cl] + U3 * X3 + V3 * Z3 + T3 * t3 + state[sr * 59 + j]
+    state[sr * 94 + j] = con[cr * 116 + cl] + U3 * X0 + V3 * Z0 + T3 * t0
+    state[sr * 95 + j] = con[cr * 117 + cl] + U3 * X1 + V3 * Z1 + T3 * t1
+    state[sr * 96 + j] = con[cr * 118 + cl] + U3 * X2 + V3 * Z2 + T3 * t2
+    state[sr * 97 + j] = con[cr * 119 + cl] + U3 * X3 + V3 * Z3 + T3 * t3 + state[sr * 59 + j]
     U4 = s_xx * X4 + s_xz * Z4 - g_x * t4
     V4 = s_xz * X4 + s_zz * Z4 - g_z * t4
     T4 = g_tt * t4 - g_x * X4 - g_z * Z4
-    state[sr * 98 + j] = con[cr * 101 + cl] + U4 * X0 + V4 * Z0 + T4 * t0
-    state[sr * 99 + j] = con[cr * 102 + cl] + U4 * X1 + V4 * Z1 + T4 * t1
-    state[sr * 100 + j] = con[cr * 103 + cl] + U4 * X2 + V4 * Z2 + T4 * t2
-    state[sr * 101 + j] = con[cr * 104 + cl] + U4 * X3 + V4 * Z3 + T4 * t3
-    state[sr * 102 + j] = con[cr * 105 + cl] + U4 * X4 + V4 * Z4 + T4 * t4 + state[sr * 69 + j]
+    state[sr * 98 + j] = con[cr * 120 + cl] + U4 * X0 + V4 * Z0 + T4 * t0
+    state[sr * 99 + j] = con[cr * 121 + cl] + U4 * X1 + V4 * Z1 + T4 * t1
+    state[sr * 100 + j] = con[cr * 122 + cl] + U4 * X2 + V4 * Z2 + T4 * t2
+    state[sr * 101 + j] = con[cr * 123 + cl] + U4 * X3 + V4 * Z3 + T4 * t3
+    state[sr * 102 + j] = con[cr * 124 + cl] + U4 * X4 + V4 * Z4 + T4 * t4 + state[sr * 69 + j]
     U5 = s_xx * X5 + s_xz * Z5 - g_x * t5
     V5 = s_xz * X5 + s_zz * Z5 - g_z * t5
     T5 = g_tt * t5 - g_x * X5 - g_z * Z5
-    state[sr * 103 + j] = con[cr * 106 + cl] + U5 * X0 + V5 * Z0 + T5 * t0
-    state[sr * 104 + j] = con[cr * 107 + cl] + U5 * X1 + V5 * Z1 + T5 * t1
-    state[sr * 105 + j] = con[cr * 108 + cl] + U5 * X2 + V5 * Z2 + T5 * t2
-    state[sr * 106 + j] = con[cr * 109 + cl] + U5 * X3 + V5 * Z3 + T5 * t3
-    state[sr * 107 + j] = con[cr * 110 + cl] + U5 * X4 + V5 * Z4 + T5 * t4
-    state[sr * 108 + j] = con[cr * 111 + cl] + U5 * X5 + V5 * Z5 + T5 * t5 + state[sr * 79 + j]
+    state[sr * 103 + j] = con[cr * 125 + cl] + U5 * X0 + V5 * Z0 + T5 * t0
+    state[sr * 104 + j] = con[cr * 126 + cl] + U5 * X1 + V5 * Z1 + T5 * t1
+    state[sr * 105 + j] = con[cr * 127 + cl] + U5 * X2 + V5 * Z2 + T5 * t2
+    state[sr * 106 + j] = con[cr * 128 + cl] + U5 * X3 + V5 * Z3 + T5 * t3
+    state[sr * 107 + j] = con[cr * 129 + cl] + U5 * X4 + V5 * Z4 + T5 * t4
+    state[sr * 108 + j] = con[cr * 130 + cl] + U5 * X5 + V5 * Z5 + T5 * t5 + state[sr * 79 + j]
 
 
 @step_kernel
@@ -261,12 +261,12 @@ def solve(con, cr, cl, state, sr, j, keep):
     o3 = state[sr * 58 + j]
     o4 = state[sr * 68 + j]
     o5 = state[sr * 78 + j]
-    t0 = con[cr * 50 + cl]
-    t1 = con[cr * 58 + cl]
-    t2 = con[cr * 66 + cl]
-    t3 = con[cr * 74 + cl]
-    t4 = con[cr * 82 + cl]
-    t5 = con[cr * 90 + cl]
+    t0 = con[cr * 69 + cl]
+    t1 = con[cr * 77 + cl]
+    t2 = con[cr * 85 + cl]
+    t3 = con[cr * 93 + cl]
+    t4 = con[cr * 101 + cl]
+    t5 = con[cr * 109 + cl]
     h_xx = state[sr * 16 + j]
     h_xz = state[sr * 17 + j]
     h_zz = state[sr * 18 + j]
@@ -300,12 +300,12 @@ def solve(con, cr, cl, state, sr, j, keep):
     state[sr * 68 + j] = o4
     o5 = o5 + b5
     state[sr * 78 + j] = o5
-    state[sr * 9 + j] = con[cr * 17 + cl] + t0 * o0 + t1 * o1 + t2 * o2 + t3 * o3 + t4 * o4 + t5 * o5
+    state[sr * 9 + j] = con[cr * 36 + cl] + t0 * o0 + t1 * o1 + t2 * o2 + t3 * o3 + t4 * o4 + t5 * o5
     state[sr * 5 + j] = state[sr * 5 + j] + d_x
     state[sr * 6 + j] = state[sr * 6 + j] + d_z
     state[sr * 7 + j] = state[sr * 7 + j] + f_x
     state[sr * 8 + j] = state[sr * 8 + j] + f_z
-    size = b0 * b0 + b1 * b1 + b2 * b2 + b3 * b3 + b4 * b4 + b5 * b5 + turned * turned + (d_x * d_x + d_z * d_z) * con[cr * 18 + cl] + (f_x * f_x + f_z * f_z) * con[cr * 19 + cl]
+    size = b0 * b0 + b1 * b1 + b2 * b2 + b3 * b3 + b4 * b4 + b5 * b5 + turned * turned + (d_x * d_x + d_z * d_z) * con[cr * 37 + cl] + (f_x * f_x + f_z * f_z) * con[cr * 38 + cl]
     judge(state, sr, j, pivot, size)
 
 
@@ -325,27 +325,27 @@ def tip_columns(con, state, compliance):
     Z3 = state[sr * 62 + j]
     Z4 = state[sr * 72 + j]
     Z5 = state[sr * 82 + j]
-    t0 = con[cr * 50 + cl]
+    t0 = con[cr * 69 + cl]
     I0_0 = state[sr * 88 + j]
-    t1 = con[cr * 58 + cl]
+    t1 = con[cr * 77 + cl]
     I1_0 = state[sr * 89 + j]
     I1_1 = state[sr * 90 + j]
-    t2 = con[cr * 66 + cl]
+    t2 = con[cr * 85 + cl]
     L2_0 = state[sr * 91 + j]
     L2_1 = state[sr * 92 + j]
     I2_2 = state[sr * 93 + j]
-    t3 = con[cr * 74 + cl]
+    t3 = con[cr * 93 + cl]
     L3_0 = state[sr * 94 + j]
     L3_1 = state[sr * 95 + j]
     I3_2 = state[sr * 96 + j]
     I3_3 = state[sr * 97 + j]
-    t4 = con[cr * 82 + cl]
+    t4 = con[cr * 101 + cl]
     L4_0 = state[sr * 98 + j]
     L4_1 = state[sr * 99 + j]
     L4_2 = state[sr * 100 + j]
     L4_3 = state[sr * 101 + j]
     I4_4 = state[sr * 102 + j]
-    t5 = con[cr * 90 + cl]
+    t5 = con[cr * 109 + cl]
     L5_0 = state[sr * 103 + j]
     L5_1 = state[sr * 104 + j]
     L5_2 = state[sr * 105 + j]
@@ -598,28 +598,28 @@ def advance(address, lam_l, lam_r):
 
     Returns x, z, theta, status.
     """
-    memory = array_at(address, 1671)
+    memory = array_at(address, 1769)
     settings = memory[0:3]
-    con = memory[3:115]
-    state = memory[115:235]
-    before = memory[235:248]
-    columns = memory[248:254]
-    jacobian = memory[254:260].reshape((3, 2))
-    compliance = memory[260:269].reshape((3, 3))
-    coefficients = memory[269:500].reshape((11, 21))
-    loads = memory[500:506]
-    tables = memory[506:632].reshape((3, 6, 7))
-    stations = memory[632:692].reshape((6, 10))
-    tip = memory[692:708]
-    q_rest = memory[708:729]
-    q = memory[729:750]
-    out = memory[750:762]
-    work = memory[762:1671]
+    con = memory[3:134]
+    state = memory[134:254]
+    before = memory[254:267]
+    columns = memory[267:273]
+    jacobian = memory[273:279].reshape((3, 2))
+    compliance = memory[279:288].reshape((3, 3))
+    coefficients = memory[288:519].reshape((11, 21))
+    loads = memory[519:525]
+    tables = memory[525:651].reshape((3, 6, 7))
+    stations = memory[651:771].reshape((6, 20))
+    tip = memory[771:806]
+    q_rest = memory[806:827]
+    q = memory[827:848]
+    out = memory[848:860]
+    work = memory[860:1769]
     possible = 0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf
     if possible and _follow(con, coefficients, settings, state, before, lam_l, lam_r):
         if settings[1] > 0.0:
             tip_columns(con, state, columns)
-            unfold(state, columns, compliance, jacobian)
+            unfold(con, state, columns, compliance, jacobian)
         return state[R_X], state[R_Z], state[R_THETA], CONVERGED
     afresh = settings[2] != 0.0
     return rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, afresh, lam_l, lam_r)

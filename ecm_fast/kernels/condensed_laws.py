@@ -55,13 +55,22 @@ from .layout import (
     T_ATTACH_RZ,
     T_COM_X,
     T_COM_Z,
+    T_CROSSTALK,
+    T_GAIN_L,
+    T_GAIN_R,
+    T_NONLINEARITY,
     T_PULLEY_LX,
     T_PULLEY_LZ,
     T_PULLEY_RX,
     T_PULLEY_RZ,
     T_RADIUS,
+    T_SIDE,
+    T_SPRING_T,
+    T_SPRING_Z,
     T_WEIGHT_X,
     T_WEIGHT_Z,
+    T_ZERO_L,
+    T_ZERO_R,
 )
 from .stretch import stretch_at
 from .trig import NEAR, sincos_near
@@ -119,6 +128,15 @@ def _tendon(lever_x, lever_z, v_x, v_z, reach):
 
 
 @step_kernel
+def forces(con, cr, cl, left, right):
+    """Tendon forces from the readings of the force cells, as `tip.tendon_forces` under the whole load."""
+    curved, cross = con[cr * T_NONLINEARITY + cl], con[cr * T_CROSSTALK + cl]
+    lam_l = left * (con[cr * T_GAIN_L + cl] + curved * left) + (cross * right + con[cr * T_ZERO_L + cl])
+    lam_r = right * (con[cr * T_GAIN_R + cl] + curved * right) + (cross * left + con[cr * T_ZERO_R + cl])
+    return lam_l, lam_r
+
+
+@step_kernel
 def plate(con, cr, cl, state, sr, j):
     """Head plate: tendons, head's weight and dead wrench, and their stiffness, as `tip.tip_wrench`."""
     theta = state[sr * R_THETA + j]
@@ -138,18 +156,20 @@ def plate(con, cr, cl, state, sr, j):
     l_ex, l_ez, l_tau, l_inv, l_t = _tendon(l_x, l_z, v_x, v_z, -radius)
     v_x, v_z = con[cr * T_PULLEY_RX + cl] - x - m_x, con[cr * T_PULLEY_RZ + cl] - z - m_z
     r_ex, r_ez, r_tau, r_inv, r_t = _tendon(m_x, m_z, v_x, v_z, radius)
-    lam_l, lam_r = state[sr * R_LAM_L + j], state[sr * R_LAM_R + j]
+    lam_l, lam_r = forces(con, cr, cl, state[sr * R_LAM_L + j], state[sr * R_LAM_R + j])
+    k_z, k_t, side = con[cr * T_SPRING_Z + cl], con[cr * T_SPRING_T + cl], con[cr * T_SIDE + cl]
     state[sr * R_WX + j] = state[sr * R_FX + j] + w_x + lam_l * l_ex + lam_r * r_ex
-    state[sr * R_WZ + j] = state[sr * R_FZ + j] + w_z + lam_l * l_ez + lam_r * r_ez
-    state[sr * R_WTAU + j] = state[sr * R_TAU + j] + r_z * w_x - r_x * w_z + lam_l * l_tau + lam_r * r_tau
+    state[sr * R_WZ + j] = state[sr * R_FZ + j] + w_z + lam_l * l_ez + lam_r * r_ez + side - k_z * z
+    couple = r_z * w_x - r_x * w_z + lam_l * l_tau + lam_r * r_tau
+    state[sr * R_WTAU + j] = state[sr * R_TAU + j] + couple - k_t * theta
     # the stiffness acts across the tendon, along (-e_z, e_x)
     k_l, k_r = lam_l * l_inv, lam_r * r_inv
     state[sr * R_XX + j] = k_l * l_ez * l_ez + k_r * r_ez * r_ez
     state[sr * R_XZ + j] = -k_l * l_ez * l_ex - k_r * r_ez * r_ex
-    state[sr * R_ZZ + j] = k_l * l_ex * l_ex + k_r * r_ex * r_ex
+    state[sr * R_ZZ + j] = k_l * l_ex * l_ex + k_r * r_ex * r_ex + k_z
     state[sr * R_XT + j] = -k_l * l_ez * l_t - k_r * r_ez * r_t
     state[sr * R_ZT + j] = k_l * l_ex * l_t + k_r * r_ex * r_t
     turn_l, turn_r = lam_l * (l_ex * l_x + l_ez * l_z), lam_r * (r_ex * m_x + r_ez * m_z)
-    state[sr * R_TT + j] = r_x * w_x + r_z * w_z + k_l * l_t * l_t + k_r * r_t * r_t + turn_l + turn_r
+    state[sr * R_TT + j] = r_x * w_x + r_z * w_z + k_l * l_t * l_t + k_r * r_t * r_t + turn_l + turn_r + k_t
     state[sr * R_LX + j], state[sr * R_LZ + j], state[sr * R_LT + j] = l_ex, l_ez, l_tau
     state[sr * R_RX + j], state[sr * R_RZ + j], state[sr * R_RT + j] = r_ex, r_ez, r_tau

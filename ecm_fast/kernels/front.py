@@ -6,8 +6,8 @@ at the tip. The factor is kept in band storage, 3 n_a - 1 entries below the diag
 """
 
 from ._jit import kernel
-from .element import element
-from .layout import L_GRAVITY
+from .families import element, sizes
+from .layout import L_GRAVITY, T_CLAMP_TILT, T_CLAMP_X, T_FURTHER
 from .tip import tip_wrench
 
 __all__ = ["back_substitute", "band_of", "eliminate", "newton_step", "solve_spd3", "work_size"]
@@ -16,7 +16,7 @@ __all__ = ["back_substitute", "band_of", "eliminate", "newton_step", "solve_spd3
 def work_size(n_elements: int, order: int) -> int:
     """Return how many numbers `newton_step` needs as work space."""
     m = 3 * (order + 1)
-    return m * m + m + n_elements * 3 * order * m
+    return m * m + m + n_elements * 3 * order * m + 6 * m
 
 
 @kernel
@@ -52,10 +52,11 @@ def eliminate(front, first, last, res, band):
 
 
 @kernel
-def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
+def newton_step(tables, stations, tip, loads, q, work, step, K_tip):
     """Newton's step at `q`, [A1] of `reference.assembly`.
 
-    basis : (3, n_gauss, n_a), stations : (n_stations, N_STATION), tip : (N_TIP,), loads : (N_LOADS,)
+    tables : the elements' family and shape functions, see `families`
+    stations : (n_stations, N_STATION), tip : (N_TIP,), loads : (N_LOADS,)
     q : (3 n_nodes,)      all nodes, the clamped one first
     work : see `work_size`
     step : (3 n_nodes,)   overwritten
@@ -63,10 +64,12 @@ def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
 
     Returns the number of pivots that are not positive and the free length of the shorter tendon.
     """
-    n_gauss, m = basis.shape[1], 3 * basis.shape[2]
+    n_gauss, n_a = sizes(tables)
+    m = 3 * n_a
     width = m - 3  # unknowns that one element completes
     front, res = work[: m * m].reshape(m, m), work[m * m : m * m + m]
     band = band_of(work, m, q.shape[0])
+    room = work[m * m + m + band.size : m * m + m + band.size + 6 * m]
 
     K_tip[:] = 0.0  # carries what earlier elements leave at the node they share with the next
     res[width:] = 0.0
@@ -75,8 +78,11 @@ def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
     for e in range(stations.shape[0] // n_gauss):
         _open_front(front, res, K_tip)
         own = stations[e * n_gauss : (e + 1) * n_gauss]
-        element(basis, own, loads[L_GRAVITY], q[first_row : first_row + m], res, front)
+        element(tables, own, loads[L_GRAVITY], q[first_row : first_row + m], res, front, room)
         clamped = 3 if e == 0 else 0
+        if e == 0 and tip[T_FURTHER] != 0.0:
+            clamped = 0
+            _support(front, res, tip, q)
         not_positive += eliminate(front, clamped, width, res, band[first_row : first_row + width])
         step[first_row : first_row + width] = res[:width]
         _read_lower(front, width, K_tip)
@@ -84,14 +90,32 @@ def newton_step(basis, stations, tip, loads, q, work, step, K_tip):
 
     last = step[first_row:]
     # every element is done: the front's first row and the residual's head are free to hold the tip's
-    free_length = tip_wrench(tip, loads, q[first_row], q[first_row + 1], q[first_row + 2], res, front[0])
+    free_length, _ = tip_wrench(tip, loads, q[first_row], q[first_row + 1], q[first_row + 2], res, front[0])
     for i in range(3):
         last[i] = res[width + i] - res[i]
     for i in range(6):
         K_tip[i] += front[0, i]
     not_positive += solve_spd3(K_tip, last)
-    back_substitute(band, width, step)
+    back_substitute(band, width, step, 3 if tip[T_FURTHER] == 0.0 else 0)
     return not_positive, free_length
+
+
+@kernel
+def _support(front, res, tip, q):
+    """Add the clamp where it gives way, as springs on the first node; where it does not, hold that coordinate."""
+    m = front.shape[0]
+    for j in range(3):
+        compliance = tip[T_CLAMP_X + j]
+        if compliance > 0.0:
+            rest = tip[T_CLAMP_TILT] if j == 2 else 0.0
+            front[j, j] += 1.0 / compliance
+            res[j] += (q[j] - rest) / compliance
+        else:
+            for k in range(j):
+                front[j, k] = 0.0
+            for i in range(j + 1, m):
+                front[i, j] = 0.0
+            front[j, j], res[j] = 1.0, 0.0
 
 
 @kernel
@@ -145,17 +169,17 @@ def solve_spd3(lower, rhs):
 
 
 @kernel
-def back_substitute(band, width, step):
-    """Turn D^-1 L^-1 res into Newton's step: L^T step = -(what the elimination left), the clamp held."""
+def back_substitute(band, width, step, clamped):
+    """Turn D^-1 L^-1 res into Newton's step: L^T step = -(what the elimination left), the first `clamped` held."""
     n = step.shape[0]
     m = band.shape[1]
     for i in range(n - 3, n):
         step[i] = -step[i]
-    for row in range(n - 4, 2, -1):
+    for row in range(n - 4, clamped - 1, -1):
         local = row % width
         total = -step[row]
         first = row - local
         for i in range(local + 1, m):
             total -= band[row, i] * step[first + i]
         step[row] = total
-    step[0], step[1], step[2] = 0.0, 0.0, 0.0
+    step[:clamped] = 0.0

@@ -14,15 +14,23 @@ CONVERGED, UNSTABLE, NOT_CONVERGED, TENDON_ZERO_LENGTH, INVALID_INPUT = range(5)
 L_LAM_L, L_LAM_R, L_FX, L_FZ, L_TAU, L_GRAVITY, N_LOADS = range(7)
 
 # stations: quadrature weight [m], 1/element length [1/m], EA, GA, EI, curvature as built [1/m],
-# neutral axis offset [m], axial law (0 neo-Hookean, 1 Hooke), dead load per length in x and z [N/m]
-(S_WEIGHT, S_INV_H, S_EA, S_GA, S_EI, S_KAPPA0, S_OFFSET, S_HOOKE, S_LOAD_X, S_LOAD_Z, N_STATION) = range(11)
+# neutral axis offset [m], axial law (0 neo-Hookean, 1 Hooke), dead load per length in x and z [N/m]; 1 where any of
+# what follows is there; sizes of the effects of the section's laws, see `effects.section`
+(S_WEIGHT, S_INV_H, S_EA, S_GA, S_EI, S_KAPPA0, S_OFFSET, S_HOOKE, S_LOAD_X, S_LOAD_Z, S_FURTHER, S_CUBIC,
+ S_AMPLITUDE, S_ONE_SIDED, S_BIMODULUS, S_NEO_HOOKEAN, S_MOONEY, S_OGDEN, S_SHEAR_CUBIC, S_SHEAR_COMPRESSION,
+ N_STATION) = range(21)
 
 # tip: attachment of left and right tendon in the head frame [m], pulley centers [m], pulley radius [m],
 # center of mass in the head frame [m], head's weight in x and z [N], length of the beam [m], EI/length^2 [N], largest
-# last Newton step [rad, shares of the length]
+# last Newton step [rad, shares of the length]; from force readings to forces: 1 + gain and zero [N] of either cell,
+# nonlinearity [1/N], crosstalk; side force [N], springs across [N/m] and against turning [N m/rad]; 1 where any of
+# what follows is there; stops on both sides and on one [N m/rad, rad], compliance of the plate's joint [rad/(N m)]
+# and of the clamp in x, z, theta [m/N, m/N, rad/(N m)], tilt of the clamp [rad]
 (T_ATTACH_LX, T_ATTACH_LZ, T_ATTACH_RX, T_ATTACH_RZ, T_PULLEY_LX, T_PULLEY_LZ, T_PULLEY_RX, T_PULLEY_RZ,
  T_RADIUS, T_COM_X, T_COM_Z, T_WEIGHT_X, T_WEIGHT_Z, T_LENGTH, T_BENDING_FORCE,
- T_TOLERANCE, N_TIP) = range(17)
+ T_TOLERANCE, T_GAIN_L, T_GAIN_R, T_ZERO_L, T_ZERO_R, T_NONLINEARITY, T_CROSSTALK, T_SIDE, T_SPRING_Z, T_SPRING_T,
+ T_FURTHER, T_STOP, T_STOP_ANGLE, T_STOP_1, T_STOP_1_ANGLE, T_JOINT, T_CLAMP_X, T_CLAMP_Z, T_CLAMP_T, T_CLAMP_TILT,
+ N_TIP) = range(36)
 
 # out: pose, Newton steps taken, last load factor reached on the stable branch, free length of the shorter tendon,
 # tangent stiffness at Q (lower triangle xx, zx, zz, tx, tz, tt)

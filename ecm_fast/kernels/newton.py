@@ -8,6 +8,7 @@ step must end in a stable equilibrium near the one before.
 import numpy as np
 
 from ._jit import kernel
+from .families import take
 from .front import newton_step, work_size
 from .layout import (
     CONVERGED,
@@ -23,14 +24,15 @@ from .layout import (
     O_THETA,
     O_X,
     O_Z,
+    T_FURTHER,
     T_LENGTH,
     T_TOLERANCE,
     TENDON_ZERO_LENGTH,
     UNSTABLE,
 )
-from .trig import sincos
+from .tip import tip_wrench
 
-__all__ = ["advance", "solve", "solve_work_size", "take"]
+__all__ = ["advance", "solve", "solve_work_size"]
 
 # below this a step that no longer shrinks is rounding (large EA against EI), not progress
 ROUNDING_FLOOR = 1e-6
@@ -48,10 +50,10 @@ def solve_work_size(n_nodes: int, n_elements: int, order: int) -> int:
 
 
 @kernel
-def solve(basis, stations, tip, q_rest, loads, q, work, out):
+def solve(tables, stations, tip, q_rest, loads, q, work, out):
     """Solve one load case from the unloaded state.
 
-    basis, stations, tip : as in `front.newton_step`
+    tables, stations, tip : as in `front.newton_step`
     q_rest : (3 n_nodes,)   the straight beam in its clamp
     loads : (N_LOADS,)      tendon forces [N], dead wrench [N, N, N m], share of gravity
     work : see `solve_work_size`
@@ -65,16 +67,16 @@ def solve(basis, stations, tip, q_rest, loads, q, work, out):
     if not _possible(loads):
         return INVALID_INPUT
     n = q.shape[0]
-    status = _correct(basis, stations, tip, loads, q, work[2 * n + N_LOADS :], work[:n], out, FULL_LOAD_LIMIT, 0.5)
+    status = _correct(tables, stations, tip, loads, q, work[2 * n + N_LOADS :], work[:n], out, FULL_LOAD_LIMIT, 0.5)
     out[O_FACTOR] = 1.0
     if status != CONVERGED:
-        status = _follow(basis, stations, tip, q_rest, loads, q, work, out)
-    out[O_X], out[O_Z], out[O_THETA] = q[n - 3], q[n - 2], q[n - 1]
+        status = _follow(tables, stations, tip, q_rest, loads, q, work, out)
+    _put_pose(tip, loads, q, work[2 * n + N_LOADS :], out)
     return status
 
 
 @kernel
-def advance(basis, stations, tip, q_rest, loads, q, work, out):
+def advance(tables, stations, tip, q_rest, loads, q, work, out):
     """Follow an equilibrium `q` to loads that changed a little; solves from the unloaded state where that fails.
 
     Arguments and result as for `solve`, but `q` is where to start from.
@@ -83,10 +85,19 @@ def advance(basis, stations, tip, q_rest, loads, q, work, out):
     if _possible(loads):
         out[O_ITERATIONS], out[O_FACTOR] = 0.0, 1.0
         rest, step = work[2 * n + N_LOADS :], work[:n]
-        if _correct(basis, stations, tip, loads, q, rest, step, out, LOAD_STEP_LIMIT, 0.5) == CONVERGED:
-            out[O_X], out[O_Z], out[O_THETA] = q[n - 3], q[n - 2], q[n - 1]
+        if _correct(tables, stations, tip, loads, q, rest, step, out, LOAD_STEP_LIMIT, 0.5) == CONVERGED:
+            _put_pose(tip, loads, q, rest, out)
             return CONVERGED
-    return solve(basis, stations, tip, q_rest, loads, q, work, out)
+    return solve(tables, stations, tip, q_rest, loads, q, work, out)
+
+
+@kernel
+def _put_pose(tip, loads, q, work, out):
+    """Write down the pose of Q: the tip section's, but for a joint that lets the head turn further."""
+    n = q.shape[0]
+    out[O_X], out[O_Z], out[O_THETA] = q[n - 3], q[n - 2], q[n - 1]
+    if tip[T_FURTHER] != 0.0:
+        _, out[O_THETA] = tip_wrench(tip, loads, q[n - 3], q[n - 2], q[n - 1], work[6:9], work)
 
 
 @kernel
@@ -99,14 +110,14 @@ def _possible(loads):
 
 
 @kernel
-def _correct(basis, stations, tip, loads, q, work, step, out, limit, shrink):
+def _correct(tables, stations, tip, loads, q, work, step, out, limit, shrink):
     """Newton's iteration at fixed loads, from `q`: stops where a step exceeds `limit` or does not shrink enough.
 
     shrink : the largest ratio of two successive steps; below 1 every iterate must be stable too
     """
     before = np.inf
     for _ in range(MAX_ITERATIONS):
-        not_positive, out[O_FREE_LENGTH] = newton_step(basis, stations, tip, loads, q, work, step, out[O_KXX:])
+        not_positive, out[O_FREE_LENGTH] = newton_step(tables, stations, tip, loads, q, work, step, out[O_KXX:])
         size = _step_size(step, tip[T_LENGTH])
         out[O_ITERATIONS] += 1.0
         at_floor = size < tip[T_TOLERANCE] or (size < ROUNDING_FLOOR and size > 0.5 * before)
@@ -114,55 +125,12 @@ def _correct(basis, stations, tip, loads, q, work, step, out, limit, shrink):
             return NOT_CONVERGED
         if not_positive > 0 and shrink < 1.0:
             return UNSTABLE
-        take(basis, q, step, work[work.shape[0] - q.shape[0] :])
+        take(tables, q, step, work[work.shape[0] - q.shape[0] :])
         if at_floor:
             return UNSTABLE if not_positive > 0 else CONVERGED
         limit = shrink * size
         before = size
     return NOT_CONVERGED
-
-
-@kernel
-def take(basis, q, step, fresh):
-    """Move `q` by a step that is linear in the strains and the angles, not in the positions.
-
-    basis : (3, n_gauss, n_a), q : (3 n_nodes,), step : (3 n_nodes,)
-    fresh : (3 n_nodes,)   work space
-
-    A turn of the sections at fixed slopes would stretch the beam by half its square, and a stiff EA would answer
-    with a force that throws Newton off. So angles and strains take the step, and the positions are rebuilt from
-    them: the same to first order, and exact because the slopes at the Gauss points determine the positions. With
-    more Gauss points than the order they do not; then the step is added as it is.
-    """
-    n_gauss, n_a = basis.shape[1], basis.shape[2]
-    if basis[2, 0, n_a - 1] == 0.0:
-        for i in range(q.shape[0]):
-            q[i] += step[i]
-        return
-    for i in range(3):
-        fresh[i] = q[i] + step[i]
-    for first in range(0, q.shape[0] - 3, 3 * (n_a - 1)):
-        for i in range(first + 3, first + 3 * n_a, 3):
-            fresh[i], fresh[i + 1], fresh[i + 2] = fresh[first], fresh[first + 1], q[i + 2] + step[i + 2]
-        for g in range(n_gauss):
-            dx, dz, theta, step_x, step_z, turn = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-            for a in range(n_a):
-                i = first + 3 * a
-                dx += basis[1, g, a] * q[i]
-                dz += basis[1, g, a] * q[i + 1]
-                theta += basis[0, g, a] * q[i + 2]
-                step_x += basis[1, g, a] * step[i]
-                step_z += basis[1, g, a] * step[i + 1]
-                turn += basis[0, g, a] * step[i + 2]
-            s, c = sincos(theta)
-            gamma_x, gamma_z = dx * c - dz * s, dx * s + dz * c
-            new_x = gamma_x + step_x * c - step_z * s - gamma_z * turn
-            new_z = gamma_z + step_x * s + step_z * c + gamma_x * turn
-            s, c = sincos(theta + turn)
-            for a in range(1, n_a):
-                fresh[first + 3 * a] += basis[2, g, a] * (new_x * c + new_z * s)
-                fresh[first + 3 * a + 1] += basis[2, g, a] * (new_z * c - new_x * s)
-    q[:] = fresh
 
 
 @kernel
@@ -178,23 +146,23 @@ def _step_size(step, length):
 
 
 @kernel
-def _follow(basis, stations, tip, q_rest, loads, q, work, out):
+def _follow(tables, stations, tip, q_rest, loads, q, work, out):
     """Let all loads grow from zero along the stable branch; where it ends, say why."""
     q[:] = q_rest
     out[O_FACTOR] = 0.0
-    reached = _walk(basis, stations, tip, loads, q, work, out, 0.0, True)
+    reached = _walk(tables, stations, tip, loads, q, work, out, 0.0, True)
     out[O_FACTOR] = reached
     if reached == 1.0:
         return CONVERGED
     if out[O_FREE_LENGTH] < SHORT_TENDON * tip[T_LENGTH]:
         return TENDON_ZERO_LENGTH
-    if reached > 0.0 and _walk(basis, stations, tip, loads, q, work, out, reached, False) == 1.0:
+    if reached > 0.0 and _walk(tables, stations, tip, loads, q, work, out, reached, False) == 1.0:
         return UNSTABLE
     return NOT_CONVERGED
 
 
 @kernel
-def _walk(basis, stations, tip, loads, q, work, out, start, stable):
+def _walk(tables, stations, tip, loads, q, work, out, start, stable):
     """Follow equilibria from the load factor `start`, at `q`, towards 1; returns the factor reached.
 
     stable : every equilibrium must be stable; otherwise none may be
@@ -216,7 +184,7 @@ def _walk(basis, stations, tip, loads, q, work, out, start, stable):
         scaled[:] = loads
         scaled *= factor
         q[:] = last
-        status = _correct(basis, stations, tip, scaled, q, rest, step, out, limit, 0.5 if stable else 1.0)
+        status = _correct(tables, stations, tip, scaled, q, rest, step, out, limit, 0.5 if stable else 1.0)
         if status == wanted:
             last[:] = q
             reached, free_length = factor, out[O_FREE_LENGTH]

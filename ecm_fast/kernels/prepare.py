@@ -4,51 +4,15 @@ Everything that does not change while Newton iterates is done here, once per mec
 the beam, weights, and every effect that only alters those. Such an effect costs a solve nothing.
 """
 
-from ..parameters import index
+import numpy as np
+
+from ..effects import FULL_SCALE
+from ..parameters import PLACES as P
+from . import layout as at
 from ._jit import kernel
-from .layout import (
-    S_EA,
-    S_EI,
-    S_GA,
-    S_HOOKE,
-    S_INV_H,
-    S_KAPPA0,
-    S_LOAD_X,
-    S_LOAD_Z,
-    S_OFFSET,
-    S_WEIGHT,
-    T_ATTACH_LX,
-    T_ATTACH_LZ,
-    T_ATTACH_RX,
-    T_ATTACH_RZ,
-    T_BENDING_FORCE,
-    T_COM_X,
-    T_COM_Z,
-    T_LENGTH,
-    T_PULLEY_LX,
-    T_PULLEY_LZ,
-    T_PULLEY_RX,
-    T_PULLEY_RZ,
-    T_RADIUS,
-    T_TOLERANCE,
-    T_WEIGHT_X,
-    T_WEIGHT_Z,
-)
 from .trig import sincos
 
 __all__ = ["prepare"]
-
-LENGTH, EA, GA, EI = index("beam.length"), index("EA"), index("GA"), index("EI")
-MASS_PER_LENGTH, AXIAL_LAW = index("mass_per_length"), index("axial_law")
-MASS, COM_H, COM_B = index("head.mass"), index("head.h"), index("head.b")
-HALF_WIDTH, PULLEY_X, PULLEY_Z = index("plate_half_width"), index("pulley_x"), index("pulley_z")
-RADIUS, G = index("tendons.pulley_radius"), index("gravity.g")
-PRECURVATURE, NEUTRAL_AXIS_OFFSET = index("precurvature"), index("neutral_axis_offset")
-TAPER, SPOT, SPOT_PLACE = index("stiffness_taper"), index("soft_spot.size"), index("soft_spot.place")
-SPOT_WIDTH = index("soft_spot.width")
-CLAMP_TILT, GRAVITY_TILT, HEAD_MASS = index("clamp_tilt"), index("gravity_tilt"), index("effects.head_mass")
-PULLEY_HEIGHT, PULLEY_HEIGHT_ASYMMETRY = index("pulley_height"), index("pulley_height_asymmetry")
-PULLEY_SPACING, PULLEY_SHIFT = index("pulley_spacing"), index("pulley_shift")
 
 # largest last Newton step, in rad and shares of the length, and largest error of the contact force it may leave, as a
 # share of EI/length^2; Newton squares both once more
@@ -56,18 +20,87 @@ TOLERANCE, FORCE_TOLERANCE = 1e-9, 1e-7
 
 
 @kernel
-def _profile(par, place, before, share):
+def _profile(par, length, place, before, share):
     """Stiffness at a Gauss point as a share of the mechanism's, [C3] of `reference.section`.
 
     place : of the point; before, share : where the stretch of beam begins that it stands for, and how long that is;
         all as shares of the length [-]
     """
-    middle, half = par[SPOT_PLACE], 0.5 * par[SPOT_WIDTH] / par[LENGTH]
+    middle, half = par[P.effects_soft_spot_place], 0.5 * par[P.effects_soft_spot_width] / length
     lower, upper = middle - half, middle + half
     lower = lower if lower.real > before else before + 0.0 * lower
     upper = upper if upper.real < before + share else before + share + 0.0 * upper
     covered = (upper - lower) / share if upper.real > lower.real else 0.0 * lower
-    return (1.0 + par[TAPER] * (2.0 * place - 1.0)) / (1.0 + covered * par[SPOT] / (1.0 - par[SPOT]))
+    soft = par[P.effects_soft_spot_size]
+    profile = (1.0 + par[P.effects_stiffness_taper] * (2.0 * place - 1.0)) / (1.0 + covered * soft / (1.0 - soft))
+    bonded = par[P.effects_bonded_ends_size]
+    if bonded != 0.0:
+        fade = -length / par[P.effects_bonded_ends_decay]
+        profile *= 1.0 + bonded * (np.exp(place * fade) + np.exp((1.0 - place) * fade))
+    return profile
+
+
+@kernel
+def _prepare_section(par, station):
+    """Sizes of the effects of the section's laws."""
+    station[at.S_CUBIC] = par[P.effects_bending_cubic]
+    station[at.S_AMPLITUDE] = par[P.effects_bending_amplitude]
+    station[at.S_ONE_SIDED] = par[P.effects_bending_one_sided]
+    station[at.S_BIMODULUS] = par[P.effects_bimodulus]
+    station[at.S_NEO_HOOKEAN] = par[P.effects_neo_hookean_section]
+    station[at.S_MOONEY] = par[P.effects_mooney_rivlin]
+    station[at.S_OGDEN] = par[P.effects_ogden]
+    station[at.S_SHEAR_CUBIC] = par[P.effects_shear_cubic]
+    station[at.S_SHEAR_COMPRESSION] = par[P.effects_shear_compression]
+    station[at.S_FURTHER] = 0.0
+    for i in range(at.S_FURTHER + 1, at.N_STATION):
+        if station[i] != 0.0:
+            station[at.S_FURTHER] = 1.0
+
+
+@kernel
+def _prepare_tendons(par, tip):
+    """Attachments, pulleys, and the way from the readings of the force cells to the forces."""
+    s, c = sincos(par[P.effects_plate_misalignment])
+    height, lever = par[P.effects_attachment_height], par[P.tendons_plate_half_width] + par[P.effects_lever_arm]
+    lever_l = lever + 0.5 * par[P.effects_lever_arm_asymmetry]
+    lever_r = lever - 0.5 * par[P.effects_lever_arm_asymmetry]
+    tip[at.T_ATTACH_LX], tip[at.T_ATTACH_LZ] = height * c + lever_l * s, lever_l * c - height * s
+    tip[at.T_ATTACH_RX], tip[at.T_ATTACH_RZ] = height * c - lever_r * s, -lever_r * c - height * s
+    x, z = par[P.tendons_pulley_x] + par[P.effects_pulley_height], par[P.tendons_pulley_z]
+    z += par[P.effects_pulley_spacing]
+    tip[at.T_PULLEY_LX] = x + 0.5 * par[P.effects_pulley_height_asymmetry]
+    tip[at.T_PULLEY_RX] = x - 0.5 * par[P.effects_pulley_height_asymmetry]
+    tip[at.T_PULLEY_LZ], tip[at.T_PULLEY_RZ] = z + par[P.effects_pulley_shift], -z + par[P.effects_pulley_shift]
+    tip[at.T_RADIUS] = par[P.tendons_pulley_radius] + par[P.effects_pulley_radius]
+    gain, zero = 1.0 + par[P.effects_force_gain], par[P.effects_force_zero]
+    tip[at.T_GAIN_L] = gain + 0.5 * par[P.effects_force_gain_asymmetry]
+    tip[at.T_GAIN_R] = gain - 0.5 * par[P.effects_force_gain_asymmetry]
+    tip[at.T_ZERO_L] = zero + 0.5 * par[P.effects_force_zero_asymmetry]
+    tip[at.T_ZERO_R] = zero - 0.5 * par[P.effects_force_zero_asymmetry]
+    tip[at.T_NONLINEARITY] = par[P.effects_force_nonlinearity] / FULL_SCALE
+    tip[at.T_CROSSTALK] = par[P.effects_force_crosstalk]
+
+
+@kernel
+def _prepare_ends(par, tip):
+    """What holds and stops the head, and what gives way at both ends of the beam."""
+    tip[at.T_SIDE] = par[P.effects_side_force]
+    tip[at.T_SPRING_Z] = par[P.effects_lateral_spring]
+    tip[at.T_SPRING_T] = par[P.effects_rotational_spring]
+    tip[at.T_STOP] = par[P.effects_contact_stop_stiffness]
+    tip[at.T_STOP_ANGLE] = par[P.effects_contact_stop_angle]
+    tip[at.T_STOP_1] = par[P.effects_contact_stop_one_sided_stiffness]
+    tip[at.T_STOP_1_ANGLE] = par[P.effects_contact_stop_one_sided_angle]
+    tip[at.T_JOINT] = par[P.effects_plate_joint_compliance]
+    tip[at.T_CLAMP_X] = par[P.effects_clamp_axial_compliance]
+    tip[at.T_CLAMP_Z] = par[P.effects_clamp_lateral_compliance]
+    tip[at.T_CLAMP_T] = par[P.effects_clamp_rotation_compliance]
+    tip[at.T_CLAMP_TILT] = par[P.effects_clamp_tilt]
+    tip[at.T_FURTHER] = 0.0
+    for i in (at.T_STOP, at.T_STOP_1, at.T_JOINT, at.T_CLAMP_X, at.T_CLAMP_Z, at.T_CLAMP_T):
+        if tip[i] != 0.0:
+            tip[at.T_FURTHER] = 1.0
 
 
 @kernel
@@ -79,44 +112,40 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
     nodes : (n_nodes,)       places of the nodes as shares of the length [-]
     stations : (n_stations, N_STATION), tip : (N_TIP,), q_rest : (3 n_nodes,)   overwritten
     """
-    sin_tilt, cos_tilt = sincos(par[GRAVITY_TILT])
-    gravity_x, gravity_z = -par[G] * cos_tilt, -par[G] * sin_tilt
-    length = par[LENGTH]
+    sin_tilt, cos_tilt = sincos(par[P.effects_gravity_tilt])
+    gravity_x, gravity_z = -par[P.gravity_g] * cos_tilt, -par[P.gravity_g] * sin_tilt
+    length = par[P.beam_length] + par[P.effects_beam_length]
+    mass_per_length = par[P.beam_mass_per_length] + par[P.effects_beam_mass]
+    EA, GA, EI = par[P.beam_EA], par[P.beam_GA], par[P.beam_EI]
     before = 0.0
     for i in range(mesh.shape[0]):
-        profile = _profile(par, mesh[i, 0], before, mesh[i, 1])
+        station, place = stations[i], mesh[i, 0]
+        profile = _profile(par, length, place, before, mesh[i, 1])
         before += mesh[i, 1]
-        stations[i, S_WEIGHT] = mesh[i, 1] * length
-        stations[i, S_INV_H] = mesh[i, 2] / length
-        stations[i, S_EA] = par[EA] * profile
-        stations[i, S_GA] = par[GA] * profile
-        stations[i, S_EI] = par[EI] * profile
-        stations[i, S_KAPPA0] = par[PRECURVATURE]
-        stations[i, S_OFFSET] = par[NEUTRAL_AXIS_OFFSET]
-        stations[i, S_HOOKE] = par[AXIAL_LAW]
-        stations[i, S_LOAD_X] = par[MASS_PER_LENGTH] * gravity_x
-        stations[i, S_LOAD_Z] = par[MASS_PER_LENGTH] * gravity_z
+        station[at.S_WEIGHT], station[at.S_INV_H] = mesh[i, 1] * length, mesh[i, 2] / length
+        station[at.S_EA], station[at.S_GA], station[at.S_EI] = EA * profile, GA * profile, EI * profile
+        gradient = par[P.effects_precurvature_gradient] * (2.0 * place - 1.0)
+        station[at.S_KAPPA0] = par[P.effects_precurvature] + gradient
+        station[at.S_OFFSET] = par[P.effects_neutral_axis_offset]
+        station[at.S_HOOKE] = par[P.beam_axial_law]
+        station[at.S_LOAD_X], station[at.S_LOAD_Z] = mass_per_length * gravity_x, mass_per_length * gravity_z
+        _prepare_section(par, station)
 
-    tip[T_ATTACH_LX], tip[T_ATTACH_LZ] = 0.0, par[HALF_WIDTH]
-    tip[T_ATTACH_RX], tip[T_ATTACH_RZ] = 0.0, -par[HALF_WIDTH]
-    height, spacing = par[PULLEY_X] + par[PULLEY_HEIGHT], par[PULLEY_Z] + par[PULLEY_SPACING]
-    tip[T_PULLEY_LX] = height + 0.5 * par[PULLEY_HEIGHT_ASYMMETRY]
-    tip[T_PULLEY_RX] = height - 0.5 * par[PULLEY_HEIGHT_ASYMMETRY]
-    tip[T_PULLEY_LZ] = spacing + par[PULLEY_SHIFT]
-    tip[T_PULLEY_RZ] = -spacing + par[PULLEY_SHIFT]
-    tip[T_RADIUS] = par[RADIUS]
-    tip[T_COM_X], tip[T_COM_Z] = par[COM_H], par[COM_B]
-    head_mass = par[MASS] + par[HEAD_MASS]
-    tip[T_WEIGHT_X], tip[T_WEIGHT_Z] = head_mass * gravity_x, head_mass * gravity_z
-    tip[T_LENGTH] = length
+    _prepare_tendons(par, tip)
+    _prepare_ends(par, tip)
+    tip[at.T_COM_X] = par[P.head_h] + par[P.effects_head_com_height]
+    tip[at.T_COM_Z] = par[P.head_b] + par[P.effects_head_com_sideways]
+    head_mass = par[P.head_mass] + par[P.effects_head_mass]
+    tip[at.T_WEIGHT_X], tip[at.T_WEIGHT_Z] = head_mass * gravity_x, head_mass * gravity_z
+    tip[at.T_LENGTH] = length
     # the verdict on stability needs the contact force to a small share of the bending stiffness, so where stretching
     # is stiff a Newton step must be smaller to be the last
-    tip[T_BENDING_FORCE] = par[EI] / (length * length)
-    stiff = max(par[EA].real, par[GA].real) / tip[T_BENDING_FORCE].real
-    tip[T_TOLERANCE] = min(TOLERANCE, FORCE_TOLERANCE / stiff)
+    tip[at.T_BENDING_FORCE] = EI / (length * length)
+    stiff = max(EA.real, GA.real) / tip[at.T_BENDING_FORCE].real
+    tip[at.T_TOLERANCE] = min(TOLERANCE, FORCE_TOLERANCE / stiff)
 
-    sin_clamp, cos_clamp = sincos(par[CLAMP_TILT])
+    sin_clamp, cos_clamp = sincos(par[P.effects_clamp_tilt])
     for i in range(nodes.shape[0]):
         q_rest[3 * i] = nodes[i] * length * cos_clamp
         q_rest[3 * i + 1] = -nodes[i] * length * sin_clamp
-        q_rest[3 * i + 2] = par[CLAMP_TILT]
+        q_rest[3 * i + 2] = par[P.effects_clamp_tilt]

@@ -22,6 +22,8 @@ from .layout import (
     O_THETA,
     O_X,
     O_Z,
+    R_LAM_L,
+    R_LAM_R,
     R_LT,
     R_LX,
     R_LZ,
@@ -33,6 +35,7 @@ from .layout import (
 from .newton import advance, solve_work_size
 from .sensitivity import tip_derivatives
 from .start import N_GUESS
+from .tip import force_slopes
 
 __all__ = ["memory_size", "pieces", "rescue", "unfold"]
 
@@ -70,7 +73,7 @@ def memory_size(order: int) -> int:
 
 
 @kernel
-def unfold(state, columns, compliance, jacobian):
+def unfold(con, state, columns, compliance, jacobian):
     """Compliance (3, 3) from its lower triangle `columns`, and the jacobian (3, 2) = compliance P of (40)."""
     for i in range(3):
         for k in range(i + 1):
@@ -79,6 +82,7 @@ def unfold(state, columns, compliance, jacobian):
         c_x, c_z, c_t = compliance[i, 0], compliance[i, 1], compliance[i, 2]
         jacobian[i, 0] = c_x * state[R_LX] + c_z * state[R_LZ] + c_t * state[R_LT]
         jacobian[i, 1] = c_x * state[R_RX] + c_z * state[R_RZ] + c_t * state[R_RT]
+    force_slopes(con, state[R_LAM_L], state[R_LAM_R], jacobian)
 
 
 @kernel

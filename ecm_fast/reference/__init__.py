@@ -8,11 +8,14 @@ All forces accept complex parameters and coordinates, so that the complex step d
 `p` is a mapping from a parameter's key to its value, see `named`.
 """
 
-from .assembly import energy, newton_step, residual, rest_coordinates, solve, stations, tangent
+from .assembly import energy, gradient, newton_step, residual, rest_coordinates, solve, stations, tangent
+from .camera import reading
 from .element import element_energy, element_force, element_tangent
-from .parameters import named
+from .parameters import length, named
+from .se2 import se2_energy
 from .section import axial_energy, axial_law, section_energy, section_law, section_stiffness, section_strains, station
-from .tip import tendon, tip_energy, tip_stiffness, tip_wrench
+from .strain import strain_energy
+from .tip import head_pose, tendon, tendon_forces, tip_energy, tip_stiffness, tip_wrench
 
 __all__ = [
     "axial_energy",
@@ -21,10 +24,15 @@ __all__ = [
     "element_force",
     "element_tangent",
     "energy",
+    "gradient",
+    "head_pose",
+    "length",
     "named",
     "newton_step",
+    "reading",
     "residual",
     "rest_coordinates",
+    "se2_energy",
     "section_energy",
     "section_law",
     "section_stiffness",
@@ -32,8 +40,10 @@ __all__ = [
     "solve",
     "station",
     "stations",
+    "strain_energy",
     "tangent",
     "tendon",
+    "tendon_forces",
     "tip_energy",
     "tip_stiffness",
     "tip_wrench",

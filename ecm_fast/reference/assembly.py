@@ -1,4 +1,4 @@
-"""The whole beam: energy, residual, tangent, Newton's method, all dense."""
+"""The whole beam: energy for every family; residual, tangent, Newton's method for Lagrange elements; all dense."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -7,11 +7,13 @@ import numpy as np
 
 from ..discretization import Discretization
 from .element import element_energy, element_force, element_tangent
-from .parameters import Parameters
+from .parameters import Parameters, length
+from .se2 import se2_energy
 from .section import station
+from .strain import strain_energy
 from .tip import tip_energy, tip_stiffness, tip_wrench
 
-__all__ = ["energy", "newton_step", "residual", "rest_coordinates", "solve", "stations", "tangent"]
+__all__ = ["energy", "gradient", "newton_step", "residual", "rest_coordinates", "solve", "stations", "tangent"]
 
 
 def stations(p: Parameters, mesh: Discretization) -> list[list[Parameters]]:
@@ -29,7 +31,7 @@ def _elements(p: Parameters, mesh: Discretization) -> Iterator[tuple[list[Parame
     """Yield each element's stations, length and the place of its coordinates in q, (30) and (31)."""
     for e, (points, share) in enumerate(zip(stations(p, mesh), mesh.shares, strict=True)):
         first = 3 * e * mesh.order
-        yield points, share * p["beam.length"], slice(first, first + 3 * (mesh.order + 1))
+        yield points, share * length(p), slice(first, first + 3 * (mesh.order + 1))
 
 
 def _weights(mesh: Discretization) -> Any:
@@ -40,25 +42,49 @@ def rest_coordinates(p: Parameters, mesh: Discretization) -> Any:
     """Coordinates of the straight beam in its clamp, (3 n_nodes,)."""
     tilt = p["effects.clamp_tilt"]
     q = np.empty(3 * mesh.nodes.size, dtype=np.result_type(*p.values(), float))
-    s = mesh.nodes * p["beam.length"]
+    s = mesh.nodes * length(p)
     q[0::3], q[1::3], q[2::3] = s * np.cos(tilt), -s * np.sin(tilt), tilt
     return q
+
+
+def _springs(p: Parameters, q: Any) -> list[tuple[int, Any, Any]]:
+    """The clamp's coordinates that give way: each one's place in q, how far it has gone, and its stiffness, [A2]."""
+    names, rest = ("axial", "lateral", "rotation"), (0.0, 0.0, p["effects.clamp_tilt"])
+    compliance = [p[f"effects.clamp_{name}_compliance"] for name in names]
+    return [(i, q[i] - rest[i], 1.0 / soft) for i, soft in enumerate(compliance) if soft != 0.0]
 
 
 def energy(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
     """Energy of the whole system [N m]: equilibria are where it is stationary, stable where it is least."""
     total = tip_energy(p, loads, q[-3:])
     for points, h, place in _elements(p, mesh):
-        total = total + element_energy(points, mesh.basis, _weights(mesh), h, q[place], loads[5])
+        if mesh.family == "se2":
+            total = total + se2_energy(points, _weights(mesh), h, q[place], loads[5])
+        elif mesh.family == "strain":
+            total = total + strain_energy(points, mesh.order, h, q[place], loads[5])
+        else:
+            total = total + element_energy(points, mesh.basis, _weights(mesh), h, q[place], loads[5])
+    for _, moved, stiffness in _springs(p, q):
+        total = total + stiffness * moved**2 / 2.0
     return total
 
 
+def gradient(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
+    """Gradient of the energy by the complex step, (3 n_nodes,): the residual of elements of any family."""
+    return np.array([energy(p, mesh, loads, q + 1e-30j * unit).imag * 1e30 for unit in np.eye(q.size)])
+
+
 def residual(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
-    """[A0] Gradient of the energy, (3 n_nodes,): minus the bracket of (41). The clamped node's rows are reactions."""
+    """[A0] Gradient of the energy of Lagrange elements, (3 n_nodes,): minus the bracket of (41).
+
+    The clamped node's rows are reactions, but where the clamp gives way.
+    """
     total = np.zeros(q.size, dtype=np.result_type(q, *p.values(), float))
     for points, h, place in _elements(p, mesh):
         total[place] += element_force(points, mesh.basis, _weights(mesh), h, q[place], loads[5])
     total[-3:] -= tip_wrench(p, loads, q[-3:])
+    for i, moved, stiffness in _springs(p, q):
+        total[i] += stiffness * moved
     return total
 
 
@@ -68,13 +94,16 @@ def tangent(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
     for points, h, place in _elements(p, mesh):
         K[place, place] += element_tangent(points, mesh.basis, _weights(mesh), h, q[place])
     K[-3:, -3:] += tip_stiffness(p, loads, q[-3:])
+    for i, _, stiffness in _springs(p, q):
+        K[i, i] += stiffness
     return K
 
 
 def newton_step(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
-    """[A1] Newton's step for (41), (3 n_nodes,), with the clamped node held."""
+    """[A1] Newton's step for (41), (3 n_nodes,), with the clamped node held but where the clamp gives way."""
     step = np.zeros(q.size)
-    step[3:] = -np.linalg.solve(tangent(p, mesh, loads, q)[3:, 3:], residual(p, mesh, loads, q)[3:])
+    free = np.array([*(i for i, _, _ in _springs(p, q)), *range(3, q.size)])
+    step[free] = -np.linalg.solve(tangent(p, mesh, loads, q)[np.ix_(free, free)], residual(p, mesh, loads, q)[free])
     return step
 
 

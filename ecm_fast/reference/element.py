@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .parameters import Parameters, gravity
+from .parameters import Parameters, beam_weight
 from .section import section_energy, section_law, section_stiffness, section_strains
 
 __all__ = ["element_energy", "element_force", "element_tangent"]
@@ -35,8 +35,7 @@ def element_energy(
     total = 0.0
     for p, values, slopes, weight in zip(stations, *basis, weights, strict=True):
         r, strains, _ = _kinematics(values, slopes, h, q)
-        weight_density = share * p["beam.mass_per_length"] * gravity(p)
-        total = total + weight * h * (section_energy(p, strains) - weight_density @ r)
+        total = total + weight * h * (section_energy(p, strains) - share * beam_weight(p) @ r)
     return total
 
 
@@ -53,7 +52,7 @@ def element_force(
     force = np.zeros(q.size, dtype=np.result_type(q, *stations[0].values(), float))
     for p, values, slopes, weight in zip(stations, *basis, weights, strict=True):
         _, strains, B = _kinematics(values, slopes, h, q)
-        density = share * p["beam.mass_per_length"] * gravity(p)
+        density = share * beam_weight(p)
         force = force + weight * h * (B.T @ section_law(p, strains))
         force[0::3] -= weight * h * values * density[0]
         force[1::3] -= weight * h * values * density[1]

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..parameters import PARAMETERS
 
-__all__ = ["Parameters", "gravity", "named"]
+__all__ = ["Parameters", "beam_weight", "gravity", "length", "named"]
 
 Parameters = Mapping[str, Any]
 
@@ -26,3 +26,13 @@ def gravity(p: Parameters) -> Any:
     """
     tilt = p["effects.gravity_tilt"]
     return -p["gravity.g"] * np.array([np.cos(tilt), np.sin(tilt)])
+
+
+def length(p: Parameters) -> Any:
+    """Length of the beam [m]."""
+    return p["beam.length"] + p["effects.beam_length"]
+
+
+def beam_weight(p: Parameters) -> Any:
+    """Weight of the beam per length, (2,) [N/m]."""
+    return (p["beam.mass_per_length"] + p["effects.beam_mass"]) * gravity(p)
