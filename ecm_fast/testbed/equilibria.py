@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..data import Measurements
 from ..errors import InputError
 from ..mechanism import Mechanism
-from .history import Past, aged, needs_past, tendon_forces
+from .history import Past, aged, needs_past, new, tendon_forces
 from .laws import Parameters, Rows, chosen, length, named, plate, tip_wrench
 from .strong_form import differentiated, integrate
 
@@ -104,10 +104,11 @@ def equilibria(
     InputError : an effect that the test bed has no law for.
     """
     p = named(mechanism, hidden)
-    found, unknown = _followed(p, loads, tendon_forces(p, loads), load_steps, np.zeros((3, loads.n)))
-    if not needs_past(p):
+    start = new(p) if needs_past(p) else p
+    found, unknown = _followed(start, loads, tendon_forces(start, loads), load_steps, np.zeros((3, loads.n)))
+    if start is p:
         return found
-    past = Past.of(p, loads, found.pose)
+    past = Past.of(start, loads, found.pose)
     return _followed(aged(p, past), loads, tendon_forces(p, loads, past), load_steps, unknown)[0]
 
 

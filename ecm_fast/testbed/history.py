@@ -15,7 +15,7 @@ from ..data import Measurements
 from . import outside
 from .laws import Parameters, length, tendon_lengths
 
-__all__ = ["FULL_LOAD", "Past", "aged", "hours", "needs_past", "tendon_forces"]
+__all__ = ["FULL_LOAD", "Past", "aged", "hours", "needs_past", "new", "tendon_forces"]
 
 Array = Any
 
@@ -26,6 +26,7 @@ FULL_SCALE = 160.0
 
 _AGES = ("bending_hysteresis.couple", "fading_memory.share", "creep", "mullins_softening", "stiffness_drift")
 _RUBS = ("tendon_capstan_friction.coefficient", "tendon_coulomb_friction")
+_DRIFTS = ("force_zero_drift", "force_zero_drift_asymmetry")
 _PAST = (*(f"effects.{name}" for name in (*_AGES, *_RUBS)), "outside.guide_friction", "outside.two_time_memory")
 
 
@@ -84,6 +85,11 @@ class Past:
 def needs_past(p: Parameters) -> bool:
     """Tell whether any law of these parameters asks for poses of the rows before."""
     return any(p[key] != 0.0 for key in _PAST)
+
+
+def new(p: Parameters) -> Parameters:
+    """Return the parameters of the neck without anything that comes from the past."""
+    return {**p, **dict.fromkeys([*_PAST, *(f"effects.{name}" for name in _DRIFTS)], 0.0)}
 
 
 def hours(loads: Measurements) -> Array:
