@@ -17,20 +17,14 @@ from . import (
     diagnose,
     effects,
     elements,
-<<<<<<< HEAD
     hide,
-=======
->>>>>>> 2e977e951a88eacb1de8a85a7015e7bb28ac9e2c
     identify,
     init,
     next_loads,
     polynomial,
     predict,
     reproduce,
-<<<<<<< HEAD
     score,
-=======
->>>>>>> 2e977e951a88eacb1de8a85a7015e7bb28ac9e2c
     solve,
     warmup,
 )
