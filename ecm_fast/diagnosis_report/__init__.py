@@ -93,7 +93,8 @@ def _first(story: Story, next_loads: NextLoads | None) -> Section:
         loads = ", ".join(f"{name} {value:g}" for name, value in first.loads.items())
         mount = "" if first.mount == "nothing" else f" (mount: {first.mount})"
         sentences.append(f"Measure next: {first.repeats} times {loads}{mount}, {first.minutes:.1f} minutes; the "
-                         f"set is then {first.promised_sigma:.1f} sigma apart instead of {next_loads.worst_before:.1f}.")  # fmt: skip
+                         f"set is then {first.promised_sigma:.1f} sigma apart instead of "
+                         f"{next_loads.worst_before:.1f}.")  # fmt: skip
     tables = (_gap_table(story),) if found.gap or found.transfer else ()
     return Section("", tuple(sentences), tables, _kept(gap_bar(story)))
 
