@@ -23,7 +23,7 @@ from ecm_fast.data import read_measurements
 from ecm_fast.effects import CATALOGUE
 from ecm_fast.errors import InputError
 from ecm_fast.files import write_whole
-from ecm_fast.hiding import hide
+from ecm_fast.hiding import TOLERANCES, hide
 from ecm_fast.scoring import Score, score
 from ecm_fast.testbed import BUILT_IN, OUTSIDE
 from ecm_fast.truth import Truth
@@ -46,7 +46,9 @@ NOISES = (
 GROUPS = ("clean", "effects", "pairs", "outside")
 SETS_OF_A_PAIR_CELL = 10
 """Pairs are drawn at random from a cell of their own, this many times as many as of one effect."""
-Diagnose = Callable[[Path], dict[str, Any]]
+Diagnose = Callable[[Path, str], dict[str, Any]]
+"""From a file and what is known of its noise to an answer."""
+Tell = Callable[[Path, Truth], dict[str, dict[str, float]]]
 
 
 class Cell(NamedTuple):
@@ -71,6 +73,10 @@ class Sealed(NamedTuple):
         """Where its files are, without their endings."""
         cell = self.cell
         return str(self.folder / cell.group / cell.design / f"{cell.name}-{self.number:04d}")
+
+    def noise(self, noises: tuple[str, ...]) -> str:
+        """Return how it is read."""
+        return self.cell.noise or noises[self.number % len(noises)]
 
     @property
     def seed(self) -> int:
@@ -107,9 +113,9 @@ def generate(sealed: Sealed, noises: tuple[str, ...]) -> bool:
     if truth_file.exists():
         return True
     truth_file.parent.mkdir(parents=True, exist_ok=True)
-    noise = sealed.cell.noise or noises[sealed.number % len(noises)]
+    noise, design = sealed.noise(noises), sealed.cell.design
     try:
-        data, truth = hide(effects=hidden(sealed), design=sealed.cell.design, seed=sealed.seed, noise=noise)
+        data, truth = hide(effects=hidden(sealed), design=design, seed=sealed.seed, noise=noise)
     except InputError as error:  # a row has no equilibrium
         write_whole(f"{stem}.failed.txt", f"{error}\n")
         return False
@@ -118,30 +124,60 @@ def generate(sealed: Sealed, noises: tuple[str, ...]) -> bool:
     return True
 
 
-def diagnosed(path: Path) -> dict[str, Any]:
-    """Return the answer of the package about a file of measurements."""
-    answer: dict[str, Any] = ecm.diagnose(ecm.Mechanism(), read_measurements(path)).to_json_dict()
+def diagnosed(path: Path, noise: str) -> dict[str, Any]:
+    """Return the answer of the package about a file of measurements; the tolerances of a build are known."""
+    uncertain = TOLERANCES if "geometry" in noise else {}
+    answer: dict[str, Any] = ecm.diagnose(ecm.Mechanism(), read_measurements(path), uncertain=uncertain).to_json_dict()
     return answer
 
 
-def work(sealed: Sealed, noises: tuple[str, ...], diagnose: Diagnose | None) -> bool:
+def told(path: Path, truth: Truth) -> dict[str, dict[str, float]]:
+    """Return how many sigmas each hidden effect is, and how many it is apart from its nearest rival, at its size."""
+    if truth.kind not in ("effect", "pair"):
+        return {}
+    sights = {sight.name: sight for sight in ecm.plan(ecm.Mechanism(), read_measurements(path)).sights}
+    answer = {}
+    for name in truth.names:
+        sight, size = sights[name], CATALOGUE[name].size
+        share = abs(truth.effects[size.name]) / sight.typical
+        nearest = min((apart for _, _, apart in sight.rivals), default=sight.sigmas)
+        answer[name] = {"sigmas": share * sight.sigmas, "apart": share * min(nearest, sight.sigmas)}
+    return answer
+
+
+def work(sealed: Sealed, noises: tuple[str, ...], diagnose: Diagnose | None, tell: Tell) -> bool:
     """Make a set and its answer, where either is missing; False where there is none."""
     if not generate(sealed, noises):
         return False
-    answer = Path(f"{sealed.stem}.answer.json")
+    answer, data = Path(f"{sealed.stem}.answer.json"), Path(f"{sealed.stem}.csv")
     if diagnose is not None and not answer.exists():
-        write_whole(answer, json.dumps(diagnose(Path(f"{sealed.stem}.csv"))) + "\n")
+        found = diagnose(data, sealed.noise(noises))
+        found["told"] = tell(data, Truth.from_json(f"{sealed.stem}.truth.json"))
+        write_whole(answer, json.dumps(found) + "\n")
     return True
 
 
-def graded(sets: Iterable[Sealed]) -> list[tuple[Cell, Score, Truth]]:
+class Graded(NamedTuple):
+    """A set's cell, the grade of its answer, and how well its effects could be told, see `told`."""
+
+    cell: Cell
+    grade: Score
+    told: dict[str, dict[str, float]]
+
+    def least(self, what: str) -> float:
+        """Return the smallest of the hidden effects' sigmas, or of their distances to rivals."""
+        return min((entry[what] for entry in self.told.values()), default=0.0)
+
+
+def graded(sets: Iterable[Sealed]) -> list[Graded]:
     """Return the grades of all answers that are there."""
     found = []
     for sealed in sets:
         answer = Path(f"{sealed.stem}.answer.json")
         if answer.exists():
             truth = Truth.from_json(f"{sealed.stem}.truth.json")
-            found.append((sealed.cell, score(answer, truth), truth))
+            words = json.loads(answer.read_text(encoding="utf-8"))
+            found.append(Graded(sealed.cell, score(words, truth), words.get("told", {})))
     return found
 
 
@@ -157,28 +193,34 @@ def level(values: Iterable[float | None], *percentiles: float) -> str:
     return " / ".join(f"{value:.1%}" for value in np.percentile(known, percentiles)) if known else "-"
 
 
-def rates(scores: list[tuple[Cell, Score, Truth]]) -> dict[str, str]:
+def rates(scores: list[Graded]) -> dict[str, str]:
     """Return every rate of one design by its name."""
-    clean, one, two, outside = ([s for c, s, _ in scores if c.group == group] for group in GROUPS)
+    by_group = {group: [entry for entry in scores if entry.cell.group == group] for group in GROUPS}
+    clean, outside = ([entry.grade for entry in by_group[group]] for group in ("clean", "outside"))
+    one, two = by_group["effects"], by_group["pairs"]
     noisy: dict[str, list[bool]] = {}
-    for cell, grade, _ in scores:
-        if cell.group == "clean":
-            noisy.setdefault(cell.noise, []).append(grade.false_alarm)
-    claims, pairs = ([grade for grade in group if grade.named] for group in (one, two))
+    for entry in by_group["clean"]:
+        noisy.setdefault(entry.cell.noise, []).append(entry.grade.false_alarm)
+    claims = [entry.grade for entry in one if entry.grade.named]
     sizes = [grade.set_size for grade in claims if grade.set_size is not None]
+    far = [entry.grade for entry in one if entry.least("apart") >= 8.0]
+    near = [entry.grade for entry in one if 4.0 <= entry.least("apart") < 8.0]
+    seen = [entry.grade for entry in two if entry.least("sigmas") >= 6.0]
     return {
         "false alarm on clean data": share(grade.false_alarm for grade in clean),
         "the same, worst noise": max((share(alarms) for alarms in noisy.values()), default="-", key=_first_number),
-        "an effect is reported": share(bool(grade.named) for grade in one),
-        "of those: first name right": share(grade.top for grade in claims),
+        "one effect, 8 sigma or more from every rival: named first": share(bool(grade.top) for grade in far),
+        "one effect, 4 to 8 sigma: named first": share(bool(grade.top) for grade in near),
+        "one effect of any size: reported": share(bool(entry.grade.named) for entry in one),
+        "of those: named first": share(grade.top for grade in claims),
         "of those: truth in the reported set": share(grade.in_set for grade in claims),
         "of those: mean set size": f"{np.mean(sizes):.2f}" if sizes else "-",
-        "a name printed alone is right": share(grade.alone_right for grade in one),
-        "a second name on one effect": share(grade.extra for grade in one),
+        "a name printed alone is right": share(entry.grade.alone_right for entry in one),
+        "a second name on one effect": share(entry.grade.extra for entry in one),
         "gap closed on locked rows, median / 5th percentile": level((grade.gap_closed for grade in claims), 50, 5),
-        "interval of the size holds the truth": share(_size_covered(one)),
-        "of two effects, both named, where any is": share(grade.top for grade in pairs),
-        "of two effects, both in the reported sets": share(grade.in_set for grade in pairs),
+        "interval of the size holds the truth": share(_size_covered(entry.grade for entry in one)),
+        "two effects, each 6 sigma or more: both named": share(bool(grade.top) for grade in seen),
+        "two effects, each 6 sigma or more: both in the reported sets": share(bool(grade.in_set) for grade in seen),
         "outside the catalogue: said so": share(grade.verdict_right for grade in outside),
         "outside the catalogue: a wrong name alone": share(grade.alone for grade in outside),
     }
@@ -204,7 +246,7 @@ def table(by_design: dict[str, dict[str, str]]) -> list[str]:
     return lines
 
 
-def by_effect(scores: list[tuple[Cell, Score, Truth]]) -> dict[str, dict[str, str]]:
+def by_effect(scores: list[Graded]) -> dict[str, dict[str, str]]:
     """Return rates of every effect hidden alone."""
     groups: dict[str, list[Score]] = {}
     for cell, grade, _ in scores:
@@ -226,7 +268,7 @@ def rewrite(lines: list[str], path: Path = README) -> None:
     path.write_text("\n".join([before + START, *lines, END]) + rest.split(END)[1], encoding="utf-8")
 
 
-def main(words: list[str] | None = None, diagnose: Diagnose = diagnosed) -> int:
+def main(words: list[str] | None = None, diagnose: Diagnose = diagnosed, tell: Tell = told) -> int:
     """Make what is missing, and write the rates to ``rates.json`` and, if asked, to the README."""
     args = _arguments(words)
     chosen = tuple(cells(args.groups, args.designs, tuple(args.noises), args.count))
@@ -234,7 +276,7 @@ def main(words: list[str] | None = None, diagnose: Diagnose = diagnosed) -> int:
     if args.forget:
         for sealed in sets:
             Path(f"{sealed.stem}.answer.json").unlink(missing_ok=True)
-    task = partial(work, noises=tuple(args.noises), diagnose=None if args.generate_only else diagnose)
+    task = partial(work, noises=tuple(args.noises), diagnose=None if args.generate_only else diagnose, tell=tell)
     if args.jobs > 1:
         with ProcessPoolExecutor(args.jobs) as pool:
             done = list(pool.map(task, sets, chunksize=8))
@@ -244,7 +286,7 @@ def main(words: list[str] | None = None, diagnose: Diagnose = diagnosed) -> int:
     if args.generate_only:
         return 0
     scores = graded(sets)
-    columns = {design: rates([entry for entry in scores if entry[0].design == design]) for design in args.designs}
+    columns = {design: rates([entry for entry in scores if entry.cell.design == design]) for design in args.designs}
     lines = table(columns)
     summary = {"rates": columns, "effects": by_effect(scores)}
     write_whole(args.folder / "rates.json", json.dumps(summary, indent=1) + "\n")

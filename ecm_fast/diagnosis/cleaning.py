@@ -17,6 +17,7 @@ Mask = NDArray[np.bool_]
 _TAILS = (3.0, 5.0, 10.0, 40.0)
 """Degrees of freedom of Student's t; the last one leaves Gaussian noise all but as it is."""
 _OUTLIER = 6.0
+_RARE = 8.0
 _MOST = 0.1  # largest share of the rows that may be outliers
 _ROUNDS = 10
 _DECLARED_DOF = 10.0
@@ -77,6 +78,11 @@ class Cleaned:
     tail: float
     dof: float
     outlier: Mask
+
+    @property
+    def trusted_dof(self) -> float:
+        """Degrees of freedom for rare events: what heavy tails leave of them once they are drawn in."""
+        return self.dof / (1.0 + _RARE * self.tail)
 
 
 def clean(residual: Array, used: Mask, basis: Array, chain: Chain, declared: Mask) -> Cleaned:

@@ -6,12 +6,15 @@ from numpy.typing import NDArray
 from .linear import Gram
 from .result import Gate
 
-__all__ = ["SMOOTH", "effects_gate", "null_quantile", "smooth_gate"]
+__all__ = ["NAMED", "SMOOTH", "effects_gate", "null_quantile", "smooth_gate"]
 
 Array = NDArray[np.float64]
 
-SMOOTH = 0.2
-"""Share of the chance of a false alarm that the test without names may use."""
+NAMED, SMOOTH = 0.5, 0.1
+"""Shares of the chance of a false alarm that the tests with and without names may use.
+
+The rest is for what noise is like in truth: tails, outliers and memory are told from the data, not known.
+"""
 _DRAWS = 10_000
 _SEEN = 1.0
 """Sigmas of one prior standard deviation below which an effect cannot make a statistic: it would be implausible."""

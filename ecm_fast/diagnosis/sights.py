@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .candidates import SIZE_SPREAD, lacking
-from .gates import SMOOTH, null_quantile
+from .gates import NAMED, null_quantile
 from .result import Sight
 from .view import View
 
@@ -45,7 +45,7 @@ def sights(view: View, alpha: float, seed: int) -> tuple[Sight, ...]:
     if not candidates:
         return ()
     sigmas, cosine, apart = distances(view)
-    needed = null_quantile(gram, view.cleaned.dof, (1.0 - SMOOTH) * alpha, seed) + _FOUND
+    needed = null_quantile(gram, view.cleaned.trusted_dof, NAMED * alpha, seed) + _FOUND
     seen = needed <= _SEEN * sigmas
     rival = np.where(seen[None, :], apart, np.inf)
     answer = []

@@ -12,7 +12,7 @@ from ..identification_rows import DECLARED, Noise, State
 from .candidates import Candidate
 from .cleaning import Chain, Cleaned, clean, orthonormal, removal
 from .compliance import STIFFNESSES
-from .gates import SMOOTH, effects_gate, smooth_gate
+from .gates import NAMED, SMOOTH, effects_gate, smooth_gate
 from .linear import Gram
 from .problem import Problem, Weights
 from .result import Gate
@@ -242,9 +242,9 @@ class View:
         residual, free, gram = self.rest
         smooth = self.flat(_by_channel(self.smooth[self.rows]).reshape(len(self.rows), 3, -1))
         smooth = np.vstack([smooth, np.zeros((len(residual) - len(smooth), smooth.shape[1]))])
-        stage, dof = len(self.model), self.cleaned.dof
+        stage, dof = len(self.model), self.cleaned.trusted_dof
         return (
-            effects_gate(gram, dof, stage, (1.0 - SMOOTH) * alpha, seed),
+            effects_gate(gram, dof, stage, NAMED * alpha, seed),
             smooth_gate(residual, free, smooth, dof, stage, SMOOTH * alpha),
         )
 
