@@ -235,7 +235,7 @@ def test_effects_lists_the_catalogue(run: Run) -> None:
     assert effects[0] == {
         "name": "precurvature",
         "meaning": "curvature of the beam as it was cast",
-        "law": "M = EI (kappa - a)",
+        "law": "u = kappa - a",
         "unit": "1/m",
         "typical": 0.2,
         "lower": -100.0,
@@ -324,7 +324,8 @@ TENSION = "allowed is a finite number >= 0 [N], a tendon only pulls; see ecm-fas
 FINITE = "allowed is a finite number; see ecm-fast solve --help"
 WHOLE = "allowed is a whole number; see ecm-fast solve --help"
 COMMANDS = (
-    "solve, predict, identify, polynomial fit, polynomial eval, elements, effects, hide, score, init, reproduce, "
+    "solve, predict, identify, polynomial fit, polynomial eval, elements, plan, diagnose, next, "
+    "effects, hide, score, init, reproduce, "
     "bench, warmup"
 )
 SOLVE = ("solve", "--tendons", "1", "2")

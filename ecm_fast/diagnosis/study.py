@@ -164,7 +164,7 @@ def _blank_filled(data: Measurements, pose: NDArray[np.float64]) -> Measurements
 
 
 def _in_words(view: View) -> str:
-    x, z, theta = np.nanmedian(view.weights.sigma[view.rows], axis=0)
+    x, z, theta = (_median(column[np.isfinite(column)]) for column in view.weights.sigma[view.rows].T)
     force = float(np.median(view.noise.force))
     return f"noise {1e3 * x:.3g} mm, {1e3 * z:.3g} mm, {1e3 * theta:.3g} mrad, forces {force:.3g} N"
 
@@ -228,8 +228,7 @@ def _transfer(study: Study, problem: Problem, found: Found) -> tuple[Gap, ...]:
 
 
 def _noise(view: View) -> Noise:
-    with np.errstate(invalid="ignore"):
-        sigma = np.nanmedian(np.where(view.used, view.weights.sigma[view.rows], np.nan), axis=0)
+    sigma = np.array([_median(view.weights.sigma[view.rows][view.used[:, i], i]) for i in range(3)])
     origin = {
         name: " and ".join(sorted(set(view.noise.origin[view.rows][view.used[:, i], i].tolist())))
         for i, name in enumerate(("x", "z", "theta"))
@@ -238,6 +237,11 @@ def _noise(view: View) -> Noise:
     a, b, c = (float(value) for value in view.cleaned.scale)
     force = float(np.median(view.noise.force))
     return Noise((x, z, theta), force, origin, (a, b, c), view.cleaned.tail, view.cleaned.memory)
+
+
+def _median(values: NDArray[np.float64]) -> float:
+    """Return the median; nan of none."""
+    return float(np.median(values)) if values.size else np.nan
 
 
 def _rows(problem: Problem, opened: Opened, state: State, view: View, far: NDArray[np.int64]) -> Rows:
