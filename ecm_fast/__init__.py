@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from .polynomial import ForwardPolynomial, PolynomialModel
     from .prediction import Prediction, predict
     from .quantity import Quantity
+    from .sweeps import Sweep, SweepSpec, read_spec, sweep
     from .training import TrainingSet, WrenchErrors, relative_errors, tip_wrenches, training_poses, training_rows
     from .warm import Warmup, warmup
 
@@ -50,6 +51,7 @@ _HOME = {
     "polynomial": ("ForwardPolynomial", "PolynomialModel"),
     "prediction": ("Prediction", "predict"),
     "quantity": ("Quantity",),
+    "sweeps": ("Sweep", "SweepSpec", "read_spec", "sweep"),
     "training": (
         "TrainingSet",
         "WrenchErrors",

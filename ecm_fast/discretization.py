@@ -1,7 +1,7 @@
 """Elements, nodes and Gauss points: how the centerline is divided, as shares of its length."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -41,14 +41,14 @@ class Discretization:
         if isinstance(elements, (int, np.integer)) and not isinstance(elements, bool):
             if not 1 <= elements <= MAX_ELEMENTS:
                 raise InputError(f"elements = {shown(elements)}: allowed is 1 to {MAX_ELEMENTS}")
-            shares = np.full(int(elements), 1.0 / int(elements))
+            shares = (1.0 / int(elements),) * int(elements)
         else:
-            shares = _shares(elements)
+            shares = tuple(_shares(elements).tolist())
         order = _count("order", order, 1, MAX_ORDER)
         gauss = order if gauss is None else _count("gauss", gauss, 1, 2 * MAX_ORDER)
         if gauss < order:
             raise InputError(f"gauss = {gauss}: fewer points than the order, {order}, leave the element loose")
-        return cls(tuple(shares.tolist()), order, gauss)
+        return _kept(shares, order, gauss)
 
     @property
     def n_elements(self) -> int:
@@ -117,6 +117,12 @@ class Discretization:
         points = 0.5 * (1.0 + np.polynomial.legendre.leggauss(self.gauss)[0])
         degree = np.arange(1, self.gauss + 1)
         return (upper[:, None] ** degree / degree) @ np.linalg.inv(np.vander(points, increasing=True))
+
+
+@lru_cache(maxsize=16)
+def _kept(shares: tuple[float, ...], order: int, gauss: int) -> Discretization:
+    """Return the discretization, whose tables cost more than a model: models of many mechanisms share them."""
+    return Discretization(shares, order, gauss)
 
 
 def _count(name: str, value: object, lowest: int, highest: int) -> int:

@@ -16,7 +16,7 @@ from .errors import InputError, why
 __all__ = ["csv_text", "write_whole"]
 
 
-def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
+def write_whole(path: str | os.PathLike[str], content: str | bytes | memoryview) -> Path:
     """Write `content` to a temporary file beside `path`, then rename it over `path`.
 
     A reader sees the old file or the new one, never a half; a full disk leaves the old one untouched.

@@ -23,6 +23,7 @@ def test_python_blocks_run(code, capsys):
 def test_commands_run_in_order(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("run.csv").write_text("lam_l_N,lam_r_N,x_mm\n40,10,107.9\n")
+    Path("sweep.toml").write_text(next(text for kind, text in BLOCKS if kind == "toml"))
     assert COMMANDS[:2] == ["python3 tools/run.py ecm-fast reproduce", "python3 tools/run.py pytest"]
     for command in COMMANDS[2:]:
         words = shlex.split(command)

@@ -12,7 +12,7 @@ import traceback
 from collections.abc import Sequence
 
 from ..errors import InputError, NotConverged
-from . import bench, effects, elements, identify, init, polynomial, predict, reproduce, solve, warmup
+from . import bench, effects, elements, identify, init, polynomial, predict, reproduce, solve, sweep, warmup
 from ._answer import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED, plain
 from ._arguments import parse
 from ._streams import note, write
@@ -26,6 +26,7 @@ COMMANDS = {
     "polynomial fit": polynomial.FIT,
     "polynomial eval": polynomial.EVAL,
     "elements": elements.COMMAND,
+    "sweep": sweep.COMMAND,
     "effects": effects.COMMAND,
     "init": init.COMMAND,
     "reproduce": reproduce.COMMAND,
