@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,19 +106,23 @@ class Equilibrium:
 
     def shape(self, n: int = 50) -> Array:
         """Return x, z, theta at `n` places evenly along the undeformed beam, shape (n, 3), clamp first."""
-        mesh = self.discretization
-        ends = np.concatenate([[0.0], np.cumsum(mesh.shares)])
-        places = np.linspace(0.0, 1.0, n)
-        element = np.clip(np.searchsorted(ends, places, side="right") - 1, 0, mesh.n_elements - 1)
-        xi = (places - ends[element]) / np.asarray(mesh.shares)[element]
-        values = lagrange(mesh.local_nodes, xi)[0]
-        nodes = element[:, None] * mesh.order + np.arange(mesh.order + 1)
+        values, nodes = _between_nodes(self.discretization, n)
         places_and_angles: Array = np.einsum("pa,pac->pc", values, self.q.reshape(-1, 3)[nodes])
         return places_and_angles
 
     def __repr__(self) -> str:
         pose = f"x={self.x:.6g} m, z={self.z:.6g} m, theta={self.theta:.6g} rad"
         return f"Equilibrium({pose}; {self.status.name.lower()}, {self.iterations} iterations)"
+
+
+@lru_cache(maxsize=16)
+def _between_nodes(mesh: Discretization, n: int) -> tuple[Array, NDArray[np.intp]]:
+    """Return the shape functions at `n` places evenly along the beam, and the nodes they belong to."""
+    ends = np.concatenate([[0.0], np.cumsum(mesh.shares)])
+    places = np.linspace(0.0, 1.0, n)
+    element = np.clip(np.searchsorted(ends, places, side="right") - 1, 0, mesh.n_elements - 1)
+    xi = (places - ends[element]) / np.asarray(mesh.shares)[element]
+    return lagrange(mesh.local_nodes, xi)[0], element[:, None] * mesh.order + np.arange(mesh.order + 1)
 
 
 @dataclass(frozen=True)

@@ -324,8 +324,8 @@ TENSION = "allowed is a finite number >= 0 [N], a tendon only pulls; see ecm-fas
 FINITE = "allowed is a finite number; see ecm-fast solve --help"
 WHOLE = "allowed is a whole number; see ecm-fast solve --help"
 COMMANDS = (
-    "solve, predict, identify, polynomial fit, polynomial eval, elements, sweep, effects, init, reproduce, bench, "
-    "warmup"
+    "solve, predict, identify, polynomial fit, polynomial eval, elements, sweep, effects, init, view, reproduce, "
+    "bench, warmup"
 )
 SOLVE = ("solve", "--tendons", "1", "2")
 

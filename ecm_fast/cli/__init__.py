@@ -12,7 +12,7 @@ import traceback
 from collections.abc import Sequence
 
 from ..errors import InputError, NotConverged
-from . import bench, effects, elements, identify, init, polynomial, predict, reproduce, solve, sweep, warmup
+from . import bench, effects, elements, identify, init, polynomial, predict, reproduce, solve, sweep, view, warmup
 from ._answer import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED, plain
 from ._arguments import parse
 from ._streams import note, write
@@ -29,6 +29,7 @@ COMMANDS = {
     "sweep": sweep.COMMAND,
     "effects": effects.COMMAND,
     "init": init.COMMAND,
+    "view": view.COMMAND,
     "reproduce": reproduce.COMMAND,
     "bench": bench.COMMAND,
     "warmup": warmup.COMMAND,
