@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from .polynomial import ForwardPolynomial, PolynomialModel
     from .prediction import Prediction, predict
     from .quantity import Quantity
+    from .sampling import Posterior, posterior
     from .sweeps import Sweep, SweepSpec, read_spec, sweep
     from .training import TrainingSet, WrenchErrors, relative_errors, tip_wrenches, training_poses, training_rows
     from .warm import Warmup, warmup
@@ -49,6 +50,7 @@ _HOME = {
     "model": ("FiniteElementModel",),
     "parameters": ("PARAMETERS", "pack", "unpack"),
     "polynomial": ("ForwardPolynomial", "PolynomialModel"),
+    "sampling": ("Posterior", "posterior"),
     "prediction": ("Prediction", "predict"),
     "quantity": ("Quantity",),
     "sweeps": ("Sweep", "SweepSpec", "read_spec", "sweep"),
