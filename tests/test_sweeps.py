@@ -254,6 +254,19 @@ def test_a_killed_process_leaves_what_the_next_one_needs(tmp_path: Path) -> None
     assert contents(tmp_path / "parts") == contents(tmp_path / "whole")
 
 
+def test_threads_that_write_at_once_leave_the_permissions_of_new_files_alone(tmp_path: Path) -> None:
+    before, interval = os.umask(0o027), sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)  # threads take turns as often as they can
+    try:
+        with ThreadPoolExecutor(8) as pool:
+            list(pool.map(lambda number: write_whole(tmp_path / f"{number}", ""), range(800)))
+        assert os.umask(0o027) == 0o027
+        assert {path.stat().st_mode & 0o777 for path in tmp_path.iterdir()} == {0o640}
+    finally:
+        os.umask(before)
+        sys.setswitchinterval(interval)
+
+
 def test_another_sweep_in_the_folder_is_left_alone(tmp_path: Path) -> None:
     sweep(SMALL, tmp_path)
     before = contents(tmp_path)
