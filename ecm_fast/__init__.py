@@ -31,7 +31,9 @@ if TYPE_CHECKING:
     from .polynomial import ForwardPolynomial, PolynomialModel
     from .prediction import Prediction, predict
     from .quantity import Quantity
+    from .sampling import Posterior, posterior
     from .scoring import Score, score
+    from .sweeps import Sweep, SweepSpec, read_spec, sweep
     from .training import TrainingSet, WrenchErrors, relative_errors, tip_wrenches, training_poses, training_rows
     from .truth import Truth
     from .warm import Warmup, warmup
@@ -55,9 +57,11 @@ _HOME = {
     "model": ("FiniteElementModel",),
     "parameters": ("PARAMETERS", "pack", "unpack"),
     "polynomial": ("ForwardPolynomial", "PolynomialModel"),
+    "sampling": ("Posterior", "posterior"),
     "prediction": ("Prediction", "predict"),
     "quantity": ("Quantity",),
     "scoring": ("Score", "score"),
+    "sweeps": ("Sweep", "SweepSpec", "read_spec", "sweep"),
     "training": (
         "TrainingSet",
         "WrenchErrors",

@@ -1,7 +1,7 @@
 """Elements, nodes and Gauss points: how the centerline is divided, as shares of its length."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -49,16 +49,16 @@ class Discretization:
         if isinstance(elements, (int, np.integer)) and not isinstance(elements, bool):
             if not 1 <= elements <= MAX_ELEMENTS:
                 raise InputError(f"elements = {shown(elements)}: allowed is 1 to {MAX_ELEMENTS}")
-            shares = np.full(int(elements), 1.0 / int(elements))
+            shares = (1.0 / int(elements),) * int(elements)
         else:
-            shares = _shares(elements)
+            shares = tuple(_shares(elements).tolist())
         kind = find_family(family)
         highest = kind.highest_order
         order = min(DEFAULT_ORDER, highest) if order is None else _count("order", order, 1, highest)
         gauss = kind.points(order) if gauss is None else _count("gauss", gauss, 1, MAX_GAUSS)
         if gauss < order:
             raise InputError(f"gauss = {gauss}: fewer points than the order, {order}, leave the element loose")
-        return cls(tuple(shares.tolist()), order, gauss, kind.name)
+        return _kept(shares, order, gauss, kind.name)
 
     @property
     def n_elements(self) -> int:
@@ -118,6 +118,12 @@ class Discretization:
     def slopes(self) -> NDArray[np.float64]:
         """Derivative at each Gauss point by the values there of a polynomial that is 0 at 0, (gauss, gauss)."""
         return np.ascontiguousarray(np.linalg.inv(self.turn))
+
+
+@lru_cache(maxsize=16)
+def _kept(shares: tuple[float, ...], order: int, gauss: int, family: str) -> Discretization:
+    """Return the discretization, whose tables cost more than a model: models of many mechanisms share them."""
+    return Discretization(shares, order, gauss, family)
 
 
 def _count(name: str, value: object, lowest: int, highest: int) -> int:

@@ -154,7 +154,10 @@ class BatchResult:
 
     def counts(self) -> dict[str, int]:
         """How many cases ended with each status."""
-        return {status.name.lower(): int(np.sum(self.status == status)) for status in Status}
+        if not self.status.any():  # seen much faster than counted
+            return {status.name.lower(): len(self) if status is Status.CONVERGED else 0 for status in Status}
+        numbers = np.bincount(self.status, minlength=len(Status)).tolist()
+        return {status.name.lower(): numbers[status] for status in Status}
 
     def __len__(self) -> int:
         return len(self.status)

@@ -7,6 +7,7 @@ import math
 import os
 import stat
 import tempfile
+import threading
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,8 +16,10 @@ from .errors import InputError, why
 
 __all__ = ["csv_text", "write_whole"]
 
+_UMASK = threading.Lock()  # it can only be read by being set: two threads at once would leave the other's 0
 
-def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
+
+def write_whole(path: str | os.PathLike[str], content: str | bytes | memoryview) -> Path:
     """Write `content` to a temporary file beside `path`, then rename it over `path`.
 
     A reader sees the old file or the new one, never a half; a full disk leaves the old one untouched.
@@ -51,8 +54,9 @@ def _mode(target: Path) -> int:
     """Return the permissions of the file that is replaced, or those that any new file gets."""
     if target.exists():
         return stat.S_IMODE(target.stat().st_mode)
-    umask = os.umask(0)
-    os.umask(umask)
+    with _UMASK:
+        umask = os.umask(0)
+        os.umask(umask)
     return 0o666 & ~umask
 
 

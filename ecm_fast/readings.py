@@ -96,6 +96,22 @@ class MeasuringChain:
             read(rows, pose)
         return pose, result.status, result.load_factor
 
+    def solve_many(self, par: Array, last2: float) -> tuple[Array, NDArray[np.int64]]:
+        """Return readings (m, n, 3) and status (m, n) for many mechanisms (m, n_parameters), in one batch.
+
+        Raises
+        ------
+        InputError : as `row_parameters` does.
+        """
+        m, n = len(par), self.data.n
+        rows = np.concatenate([np.broadcast_to(self.rows(own), (n, par.shape[1])) for own in par])
+        lam, wrench = (np.tile(loads, (m, 1)) for loads in self._loads)
+        result = solve_cases(self.mesh, None, rows, lam, wrench, last2, 1)
+        pose = result.pose
+        if rows[:, _CAMERA].any():
+            read(rows, pose)
+        return pose.reshape(m, n, 3), result.status.reshape(m, n)
+
     def sensitivities(self, names: Sequence[str], par: Array, last2: float) -> Sensitivities:
         """Return readings and their derivatives by loads and by any parameters, see `sensitivity.sensitivities`.
 

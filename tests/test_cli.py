@@ -324,8 +324,8 @@ TENSION = "allowed is a finite number >= 0 [N], a tendon only pulls; see ecm-fas
 FINITE = "allowed is a finite number; see ecm-fast solve --help"
 WHOLE = "allowed is a whole number; see ecm-fast solve --help"
 COMMANDS = (
-    "solve, predict, identify, polynomial fit, polynomial eval, elements, plan, diagnose, next, "
-    "effects, hide, score, init, reproduce, "
+    "solve, predict, identify, polynomial fit, polynomial eval, elements, plan, diagnose, next, sweep, "
+    "effects, hide, score, init, view, reproduce, "
     "bench, warmup"
 )
 SOLVE = ("solve", "--tendons", "1", "2")

@@ -15,7 +15,8 @@ COMMANDS = [line.split("#")[0].strip() for kind, text in BLOCKS if kind == "sh" 
 
 
 @pytest.mark.parametrize("code", [text for kind, text in BLOCKS if kind == "python"])
-def test_python_blocks_run(code, capsys):
+def test_python_blocks_run(code, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     exec(compile(code, "README.md", "exec"), {})
     assert "nan" not in capsys.readouterr().out
 
@@ -23,6 +24,7 @@ def test_python_blocks_run(code, capsys):
 def test_commands_run_in_order(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("run.csv").write_text("lam_l_N,lam_r_N,x_mm\n40,10,107.9\n")
+    Path("sweep.toml").write_text(next(text for kind, text in BLOCKS if kind == "toml"))
     assert COMMANDS[:2] == ["python3 tools/run.py ecm-fast reproduce", "python3 tools/run.py pytest"]
     for command in COMMANDS[2:]:
         words = shlex.split(command)

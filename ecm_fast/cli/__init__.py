@@ -26,6 +26,8 @@ from . import (
     reproduce,
     score,
     solve,
+    sweep,
+    view,
     warmup,
 )
 from ._answer import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED, plain
@@ -44,10 +46,12 @@ COMMANDS = {
     "plan": diagnose.PLAN,
     "diagnose": diagnose.DIAGNOSE,
     "next": next_loads.COMMAND,
+    "sweep": sweep.COMMAND,
     "effects": effects.COMMAND,
     "hide": hide.COMMAND,
     "score": score.COMMAND,
     "init": init.COMMAND,
+    "view": view.COMMAND,
     "reproduce": reproduce.COMMAND,
     "bench": bench.COMMAND,
     "warmup": warmup.COMMAND,

@@ -1,5 +1,7 @@
 """Lagrange elements: x, z and theta are polynomials of the same degree, the paper's (28) of any order."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,8 +26,15 @@ def _tables(order: int, gauss: int) -> Array:
     return np.concatenate([basis, lift[None]])
 
 
+@lru_cache(maxsize=64)
+def _values(order: int, places: tuple[float, ...]) -> Array:
+    """Return the shape functions at places of an element, (n, order + 1); pictures ask for the same ones every time."""
+    values: Array = lagrange(lobatto_nodes(order), np.array(places))[0]
+    return values
+
+
 def _centerline(order: int, gauss: int, q: Array, places: Array) -> Array:
-    poses: Array = np.einsum("pa,pac->pc", lagrange(lobatto_nodes(order), places)[0], q)
+    poses: Array = np.einsum("pa,pac->pc", _values(order, tuple(places.tolist())), q)
     return poses
 
 

@@ -1,0 +1,50 @@
+"""``ecm-fast view``: the neck, live, on a page of this machine."""
+
+import argparse
+import signal
+from functools import partial
+from typing import Any
+
+from ._answer import Answer, Command
+from ._arguments import count, mechanism
+from ._streams import note
+
+__all__ = ["COMMAND"]
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--mechanism", metavar="F", help="mechanism file (TOML); default: the preset 'slender'")
+    parser.add_argument("--data", metavar="DATA", help="measurements whose poses are laid over the picture")
+    parser.add_argument("--port", metavar="N", type=count, default=0, help="of 127.0.0.1; default: a free one")
+    parser.add_argument("--no-browser", action="store_true", help="open no browser; the address is on stderr")
+
+
+def _run(args: argparse.Namespace) -> Answer:
+    from ..data import read_measurements
+    from ..view import Page, Scene
+
+    data = None if args.data is None else read_measurements(args.data)
+    make = partial(Scene, mechanism(args), data)
+    make().frame({"id": 0})  # compiles what is needed before anybody waits for it
+    with Page(make, args.port) as page:
+        note(f"{page.url} (Ctrl-C ends)")
+        before = signal.signal(signal.SIGTERM, _interrupt)
+        if not args.no_browser:
+            import webbrowser
+
+            webbrowser.open(page.url)
+        try:
+            page.serve()
+        except KeyboardInterrupt:
+            pass
+        finally:
+            signal.signal(signal.SIGTERM, before)
+    answer: dict[str, Any] = {"url": page.url, "frames": page.frames}
+    return Answer(answer, f"{page.frames} frames shown")
+
+
+def _interrupt(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
+COMMAND = Command("the neck on a live page: drag its head, move forces, parameters and effects", _add_arguments, _run)

@@ -1,0 +1,73 @@
+"""The inputs of a sweep's cases. A chunk depends on the sweep and its number alone, whoever computes it, and when."""
+
+import functools
+import threading
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .spec import SweepSpec
+
+__all__ = ["cases"]
+
+Array = NDArray[np.float64]
+_BITS = 30
+_LOCK = threading.Lock()
+
+
+def cases(spec: SweepSpec, number: int) -> list[Array]:
+    """Return the values of every varied input in the unit of work `number`, each (rows,)."""
+    varied, rows = spec.varied, spec.rows(number)
+    if spec.sample == "grid":
+        return _grid(spec, number * spec.chunk, rows)
+    u = _random(spec, number) if spec.sample == "random" else _sobol(spec, number)
+    return [entry.quantile(own[:rows]) for entry, own in zip(varied, u, strict=True)]
+
+
+def _grid(spec: SweepSpec, first: int, rows: int) -> list[Array]:
+    index, columns = np.arange(first, first + rows), []
+    for entry in reversed(spec.varied):
+        values = entry.grid()
+        index, place = np.divmod(index, len(values))
+        columns.append(values[place])
+    return columns[::-1]
+
+
+def _random(spec: SweepSpec, number: int) -> list[Array]:
+    """Return numbers of [0, 1) from a stream of the chunk's own, which NumPy derives from the seed and the number."""
+    source = np.random.Generator(np.random.SFC64(np.random.SeedSequence(spec.seed, spawn_key=(number,))))
+    return [source.random(spec.chunk) for _ in spec.varied]
+
+
+def _sobol(spec: SweepSpec, number: int) -> list[Array]:
+    """Return a block of the scrambled Sobol sequence.
+
+    The sequence is linear over bits: a block of 2^m points is the first one with some bits flipped, the same ones in
+    every point, and those of block 5 are those of blocks 4 and 1 together. So no block needs the ones before it.
+    """
+    first, turns = _sobol_start(len(spec.varied), spec.seed, spec.chunk, spec.chunks)
+    turn = np.zeros(len(first), dtype=np.uint32)
+    for bit, own in enumerate(turns):
+        if number >> bit & 1:
+            turn ^= own
+    return [((own ^ bits) + 0.5) * 2.0**-_BITS for own, bits in zip(first, turn, strict=True)]
+
+
+@functools.lru_cache(maxsize=4)
+def _sobol_points(dimension: int, seed: int, chunk: int, chunks: int) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
+    from scipy.stats import qmc
+
+    sampler = qmc.Sobol(dimension, bits=_BITS, seed=np.random.default_rng(seed))
+    first = np.ascontiguousarray(sampler.random(chunk).T * 2.0**_BITS).astype(np.uint32)
+    turns, place = [], chunk
+    while place < chunk * chunks:  # the points number chunk, 2 chunk, 4 chunk, ...
+        turns.append((sampler.random(1)[0] * 2.0**_BITS).astype(np.uint32) ^ first[:, 0])
+        sampler.fast_forward(place - 1)
+        place *= 2
+    return first, np.array(turns, dtype=np.uint32).reshape(-1, dimension)
+
+
+def _sobol_start(dimension: int, seed: int, chunk: int, chunks: int) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
+    """Return the first block, (dimension, chunk), and by which bits the blocks 1, 2, 4, ... differ from it."""
+    with _LOCK:  # threads that all need the same points compute them once
+        return _sobol_points(dimension, seed, chunk, chunks)
