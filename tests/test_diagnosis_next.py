@@ -89,6 +89,15 @@ def test_force_noise_costs_certainty(rivals) -> None:
     assert blunt.worst_before < sharp.worst_before
 
 
+def test_material_tests_keep_rivals_apart(rivals) -> None:
+    """Least squares: what a rival must also keep to adds to its distance, by every load."""
+    priors = {"EA": (NECK.beam.EA, 75.0), "GA": (NECK.beam.GA, 17.0), "EI": (NECK.beam.EI, 0.009)}
+    free, held = (next_loads(rivals, [LOADS_MEASURED], priors=own, minutes=4.0) for own in (None, priors))
+    apart = ~np.eye(len(rivals), dtype=bool)
+    assert (held.before[apart] > free.before[apart] - 1e-6).all()
+    assert held.worst_before > free.worst_before
+
+
 def test_a_mass_splits_what_tendons_cannot() -> None:
     """A center of mass off the middle and a precurvature act alike until the mass changes (a known look-alike)."""
     tilted = Rival(("gravity_tilt",), NECK.replace(gravity_tilt=0.1), (*FREE, "gravity_tilt"))

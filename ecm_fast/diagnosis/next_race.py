@@ -65,7 +65,7 @@ class Race:
                        force_sigma=self.force)  # fmt: skip
         self.adapted[pair] = fit.mechanism
         c, b, gram = self._sums(told, fit.mechanism, rival.free)
-        total = c.sum(axis=0), b.sum(axis=0), gram.sum(axis=0)
+        total = c.sum(axis=0, keepdims=True), b.sum(axis=0), gram.sum(axis=0)
         for place, name in enumerate(rival.free):
             if name in self.priors:
                 value, std = self.priors[name]
@@ -73,11 +73,11 @@ class Race:
                 off = (value - pack(fit.mechanism)[index(name)]) / std
                 total[2][place, place] += by**2
                 total[1][place] += by * off
-                total[0][...] += off**2
+                total[0][0] += off**2
         free = _told(true.mechanism, self.blank, self.sigma)
         more = self._sums([free], fit.mechanism, rival.free)
-        c, b, gram = (np.concatenate([one[None], other]) for one, other in zip(total, more, strict=True))
-        return c, b, gram
+        b, gram = (np.concatenate([one[None], other]) for one, other in zip(total[1:], more[1:], strict=True))
+        return np.concatenate([total[0], more[0]]), b, gram
 
     def _sums(
         self, told: Sequence[Measurements], mechanism: Mechanism, free: tuple[str, ...]
