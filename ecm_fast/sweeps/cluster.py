@@ -26,11 +26,12 @@ def cluster(address: str) -> Iterator[tuple[Executor, int]]:
     InputError : ``distributed`` is not installed, nobody answers, or no worker is there.
     """
     try:
-        from distributed import Client
+        import distributed
     except ImportError:
         raise InputError("a cluster needs the package distributed: pip install 'ecm-fast[cluster]'") from None
+    connect: Any = distributed.Client
     try:
-        client: Any = Client(address, timeout=_PATIENCE, set_as_default=False)
+        client: Any = connect(address, timeout=_PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"cluster {shown(address)}: no scheduler answers ({reason})") from None
