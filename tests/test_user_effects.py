@@ -1,9 +1,13 @@
 """Effects that a user adds at run time, against twins in the catalogue and against differences."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import ecm_fast as ecm
+from ecm_fast.__main__ import main
 from ecm_fast.parameters import pack, unpack
 
 NECK = ecm.Mechanism.preset("slender")
@@ -115,3 +119,25 @@ def test_what_cannot_be_an_effect_is_refused(name, enters, law, message):
     with pytest.raises(ecm.InputError, match=message):
         ecm.effect(name, unit="-", typical=1.0, enters=enters)(law)
     assert parameters == ecm.PARAMETERS
+
+
+def test_the_command_line_takes_a_file_of_effects(tmp_path, monkeypatch, capsys):
+    """Every command: the file adds the effect, the mechanism has it, the prediction feels it."""
+    monkeypatch.chdir(tmp_path)
+    Path("own.py").write_text(
+        "import ecm_fast as ecm\n"
+        "@ecm.effect('own_spring', unit='N m', typical=0.2, enters='head')\n"
+        "def own_spring(a, x, z, theta):\n"
+        "    return 0.0, 0.0, -a * theta\n"
+    )
+    Path("neck.toml").write_text("[effects]\nown_spring = 0.4\n")
+    solve = ["solve", "--tendons", "20", "120", "--mechanism", "neck.toml", "--json", "--plugin"]
+    assert main([*solve, "own.py"]) == 0
+    assert json.loads(capsys.readouterr().out)["theta"] == pytest.approx(
+        ecm.FiniteElementModel(NECK.replace(rotational_spring=0.4)).solve((20.0, 120.0)).theta, rel=1e-10
+    )
+    ecm.remove_effect("own_spring")
+    Path("wrong.py").write_text("1 / 0\n")
+    for name, said in (("wrong.py", "wrong.py: ZeroDivisionError: division by zero"), ("no.py", "no.py: ")):
+        assert main([*solve, name]) == 2
+        assert capsys.readouterr().err.startswith(f"ecm-fast: {said}")

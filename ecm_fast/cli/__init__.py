@@ -7,6 +7,7 @@ arguments must not wait for the compiler.
 
 import json
 import os
+import runpy
 import sys
 import traceback
 from collections.abc import Sequence
@@ -82,6 +83,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(words: list[str]) -> int:
     args = parse(words, COMMANDS)
+    if args.plugin:
+        _load(args.plugin)
     answer = COMMANDS[args.command].run(args)
     for line in answer.notes:
         note(line)
@@ -89,6 +92,16 @@ def _run(words: list[str]) -> int:
     if text:
         write(sys.stdout, f"{text}\n")
     return answer.code
+
+
+def _load(path: str) -> None:
+    """Run a Python file of the user's."""
+    try:
+        runpy.run_path(path)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    except Exception as error:
+        raise InputError(f"{path}: {type(error).__name__}: {error}") from None
 
 
 def _failed(text: str, code: int) -> int:

@@ -64,6 +64,7 @@ def _add_command(parsers: Any, name: str, command: Command) -> list[str]:
     command.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout and nothing else there")
     parser.add_argument("--out", metavar="DIR", help="folder for files; made where it is missing")
+    parser.add_argument("--plugin", metavar="FILE", help="Python file to run first: it may add effects of your own")
     parser.set_defaults(command=name)
     return [option for action in parser._actions for option in action.option_strings]
 
