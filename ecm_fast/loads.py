@@ -36,7 +36,7 @@ def many_loads(lam: ArrayLike, wrench: ArrayLike | None) -> tuple[Array, Array]:
         raise InputError(f"tendon forces have shape {tensions.shape}: allowed is two, left and right, a case")
     if dead.shape not in {(3,), (len(tensions), 3)}:
         raise InputError(f"wrenches have shape {dead.shape}: allowed is ({len(tensions)}, 3): fx, fz, tau a case")
-    if tensions.min(initial=0.0) < 0.0:
+    if (tensions < 0.0).any():
         row, side = np.argwhere(tensions < 0.0)[0]
         raise InputError(
             f"lam_{'lr'[side]} = {tensions[row, side]} N in row {row}: allowed is >= 0, a tendon only pulls"

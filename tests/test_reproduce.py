@@ -143,6 +143,14 @@ def test_the_silicone_beams_sag_is_met_and_its_rotation_is_not(done) -> None:
     assert all(v.endswith("one modulus does not explain it") for v in verdicts(done[0], "rotation"))
 
 
+def test_six_readings_bear_no_conclusion(done) -> None:
+    """Counting: three loads cannot both fit four numbers and prove them, so whatever is named is not claimed."""
+    numbers = done[0].to_json()["numbers"]["silicone_missing"]
+    assert verdicts(done[0], "What the beam model misses") == ["cannot be checked: no row is left to prove it on"]
+    assert "too few rows to set any aside as proof" in numbers["sentence"]
+    assert "sigma apart now" in numbers["next"]
+
+
 def test_the_reference_solutions_are_met(done) -> None:
     numbers = done[0].to_json()["numbers"]["reference_solutions"]
     assert (

@@ -18,6 +18,7 @@ from ._claim import Claim, Part, plain
 from .cantilevers import silicone, steel
 from .comparison import comparison
 from .kinds import kinds
+from .missing import missing
 from .pose_alone import pose_alone
 from .solutions import reference
 from .table1 import table1
@@ -39,6 +40,7 @@ _PARTS: dict[str, tuple[str, Callable[[int], Part]]] = {
     "times": ("computing times (Fig. 7)", times),
     "steel_cantilever": ("steel cantilever against measurements", lambda seed: steel()),
     "silicone_cantilever": ("silicone cantilever against measurements", lambda seed: silicone()),
+    "silicone_missing": ("what the model misses on the silicone cantilever", lambda seed: missing()),
     "reference_solutions": ("solutions by another method", lambda seed: reference()),
 }
 SECTIONS = tuple(_PARTS)
