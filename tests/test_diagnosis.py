@@ -1,6 +1,7 @@
 """The whole diagnosis: effects hidden by the test bed, named by the model, proven on rows that nothing has seen."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -138,3 +139,13 @@ def test_hostile_questions_are_answered_in_one_line(bent):
             diagnose(NECK, bent, **options)
     with pytest.raises(InputError, match="at least 3"):
         diagnose(NECK, bent.select([0, 1]))
+
+
+def test_noise_far_beyond_what_is_declared_is_not_nothing(clean):
+    """Counting: readings that scatter three times as declared are no clean data, though no effect looks like that."""
+    data = readings(MADE, clean, seed=1)
+    sigma = {f"sigma_{name}": getattr(data, f"sigma_{name}") / 3.0 for name in ("x", "z", "theta")}
+    answer = diagnose(NECK, replace(data, **sigma))
+    assert diagnose(NECK, data).verdict == "nothing_found"
+    assert answer.verdict in ("outside_catalogue", "data_gap")
+    assert any("times as much as the noise that is declared" in text for text in answer.warnings)

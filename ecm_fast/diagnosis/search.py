@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..identification_rows import Noise
+from ..identification_rows import DECLARED, Noise
 from .calibration import calibrate
 from .problem import Problem
 from .refit import Fit, refit
@@ -32,6 +32,9 @@ _WORTH = 9.2
 _LATER = 0.1
 """Share of the chance of a false alarm that tests for a second and third name may use."""
 _SPEAKS = 2.0
+_LOUD = 4.5
+"""Noise seen over noise declared, less 1, times the root of the readings: six standard deviations of white noise. In
+360 clean sets of 81 rows, white and not, 0.3 was the most, where 0.5 alarms."""
 _HOPELESS = 100.0
 _AGAIN, _GAIN = 3, 0.5
 
@@ -117,7 +120,8 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     baseline, gates = _on_more_than_a_row(baseline, alpha, seed)
     null = refit(baseline, (), values)
     if not any(gate.alarm for gate in gates) or max_effects < 1:
-        return Found(baseline, baseline, null, {}, gates, 0, False, ())
+        louder = _louder(baseline)
+        return Found(baseline, baseline, null, {}, gates, 0, bool(louder), louder)
     view, null, fits = _singles(problem, baseline, noise, baseline, {})
     found: dict[int, list[Fit]] = {1: fits}
     own = view.gates(_LATER * alpha, seed)
@@ -147,6 +151,16 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     if outside:
         return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), view)
     return Found(baseline, view, null, found, gates, 1, False, (doubt,))
+
+
+def _louder(view: View) -> tuple[str, ...]:
+    """Return a line where what looks like noise is far more than the noise that the measurements declare."""
+    count = ((view.noise.origin[view.rows] == DECLARED) & view.used).sum(axis=0)
+    scale = np.where(count > 0, view.cleaned.scale, 0.0)
+    if not (scale > 1.0 + _LOUD / np.sqrt(np.maximum(count, 1))).any():
+        return ()
+    return (f"what is left scatters {scale.max():.2g} times as much as the noise that is declared: either that is "
+            "wrong, or something is missing that looks like no effect of the catalogue",)  # fmt: skip
 
 
 def _on_more_than_a_row(view: View, alpha: float, seed: int) -> tuple[View, tuple[Gate, ...]]:
