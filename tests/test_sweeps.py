@@ -317,7 +317,7 @@ def test_lost_workers_lose_nothing(tmp_path: Path) -> None:
         return pools[-1]
 
     assert contents(sweep(SMALL, tmp_path / "a", executor=make).folder) == whole
-    assert len(pools) > 2
+    assert len(pools) >= 2  # how many more depends on which thread was first
     with Unreliable() as pool:
         assert contents(sweep(SMALL, tmp_path / "b", executor=pool).folder) == whole
 
