@@ -27,6 +27,8 @@ _ROUGH = 0.3
 _PASSES = 3
 _ALONE, _FAR_OUT = 3, 25.0
 """How many rows an alarm may rest on and still be theirs, and what each one must take off the sum of squares."""
+_ASTRAY = 3.0 * np.log1p(10.0**2) + 2.0 * np.log(100.0)
+"""Evidence that a row must bring to count as one of a hundred that are off by some ten sigma in every channel."""
 _WORTH = 9.2
 """Evidence that a second name must add."""
 _LATER = 0.1
@@ -164,18 +166,23 @@ def _louder(view: View) -> tuple[str, ...]:
 
 
 def _on_more_than_a_row(view: View, alpha: float, seed: int) -> tuple[View, tuple[Gate, ...]]:
-    """Return the tests of a view without rows on each of which an alarm rests alone: they are outliers."""
+    """Return the tests of a view without rows on each of which an alarm rests alone: they are outliers.
+
+    Unless one effect makes them all at once: a stop touches few rows, and these as no accident would.
+    """
     first = gates = view.gates(alpha, seed)
     reduced = view
-    for _ in range(_ALONE):
+    for dropped in range(_ALONE + 1):
         if not any(gate.alarm for gate in gates):
-            return reduced, gates
+            astray = view.gram.left - reduced.gram.left - _ASTRAY * dropped
+            named = dropped and float(view.gram.singles()[0].max(initial=0.0)) > astray
+            return (view, first) if named else (reduced, gates)
         row, gain = reduced.worst()
         if gain < _FAR_OUT:
             break
         reduced = reduced.without(row)
         gates = reduced.gates(alpha, seed)
-    return (view, first) if any(gate.alarm for gate in gates) else (reduced, gates)
+    return view, first
 
 
 def _admissible(fits: list[Fit], null: Fit, view: View) -> bool:
