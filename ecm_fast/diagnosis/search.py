@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..identification_rows import DECLARED, Noise
+from . import further
 from .calibration import calibrate
 from .problem import Problem
 from .refit import Fit, refit
@@ -124,7 +125,8 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     if not any(gate.alarm for gate in gates) or max_effects < 1:
         louder = _louder(baseline)
         return Found(baseline, baseline, null, {}, gates, 0, bool(louder), louder)
-    view, null, fits = _singles(problem, baseline, noise, baseline, {})
+    first = _looked_at(problem, baseline, further.starts(baseline), noise)
+    view, null, fits = _singles(problem, first, noise, first, {})
     found: dict[int, list[Fit]] = {1: fits}
     own = view.gates(_LATER * alpha, seed)
     gates = (*gates, *own)
@@ -132,7 +134,7 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     if admissible and not any(gate.alarm for gate in own):
         return Found(baseline, view, null, found, gates, 1, False, ())
     if max_effects >= 2:
-        both, null2, pairs = _pairs(problem, baseline, view, noise, fits)
+        both, null2, pairs = _pairs(problem, first, view, noise, fits)
         found[2] = pairs
         alone = _alone(both, pairs)
         single = max((fit.evidence for fit in alone), default=null2.evidence)
@@ -143,7 +145,7 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
                 return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), both)
             return Found(baseline, both, null2, found, gates, 2, False, ())
         if alone and alone[0].evidence - null2.evidence > _SPEAKS and alone[0].model != fits[0].model:
-            view, null, fits = _singles(problem, baseline, noise, both, {fit.model: fit for fit in (*fits, *alone)})
+            view, null, fits = _singles(problem, first, noise, both, {fit.model: fit for fit in (*fits, *alone)})
             found, own, admissible = {1: fits}, view.gates(_LATER * alpha, seed), _admissible(fits, null, view)
             gates = (*gates, *own)
             if admissible and not any(gate.alarm for gate in own):
@@ -153,6 +155,11 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     if outside:
         return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), view)
     return Found(baseline, view, null, found, gates, 1, False, (doubt,))
+
+
+def _looked_at(problem: Problem, baseline: View, begin: dict[str, float], noise: Noise) -> View:
+    """Return the baseline with further parameters of effects where they begin."""
+    return View.at(problem, {**baseline.values, **begin}, (), noise) if begin else baseline
 
 
 def _louder(view: View) -> tuple[str, ...]:
@@ -219,7 +226,7 @@ def _singles(
         if fits[0].model == best:
             break
         best = fits[0].model
-        view = View.at(problem, fits[0].by_key(), best, noise)
+        view = View.at(problem, {**baseline.values, **fits[0].by_key()}, best, noise)
     return view, null, fits
 
 
@@ -241,7 +248,7 @@ def _pairs(
         if not fits or fits[0].model == best:
             break
         best = fits[0].model
-        view = View.at(problem, fits[0].by_key(), best, noise)
+        view = View.at(problem, {**baseline.values, **fits[0].by_key()}, best, noise)
         views = [baseline, view]
     return view, null, fits
 

@@ -39,7 +39,7 @@ class View:
     model : places of the candidates that are in the model
     values : by key, of all that was fitted
     state : poses and derivatives by `keys`, all rows
-    keys : calibrated parameters, sizes of all candidates, further parameters of the model's
+    keys : calibrated parameters, sizes of all candidates, further parameters of the model's and of those in `values`
     noise, weights : what is known before the fit, and what follows from it here
     rows : places of the rows that count
     chain : their order
@@ -70,7 +70,12 @@ class View:
         known: bool = False,
     ) -> "View":
         """Look at the rows that are not locked from `values`; with `known` noise the residuals tell nothing of it."""
-        more = [key for i in model for key in problem.candidates[i].keys[1:]]
+        more = [
+            key
+            for i, candidate in enumerate(problem.candidates)
+            for key in candidate.keys[1:]
+            if i in model or key in values
+        ]
         solver = problem.solver((*(candidate.keys[0] for candidate in problem.candidates), *more))
         at = problem.start(solver.names)
         at = np.array([values.get(key, float(own)) for key, own in zip(solver.names, at, strict=True)])
