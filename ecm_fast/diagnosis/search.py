@@ -28,8 +28,10 @@ _ROUGH = 0.3
 _PASSES = 3
 _ALONE, _FAR_OUT = 3, 25.0
 """How many rows an alarm may rest on and still be theirs, and what each one must take off the sum of squares."""
-_ASTRAY = 3.0 * np.log1p(10.0**2) + 2.0 * np.log(100.0)
-"""Evidence that a row must bring to count as one of a hundred that are off by some ten sigma in every channel."""
+_SLIPS, _BY_CHANCE = 0.01, 1e-3
+"""Share of rows whose readings slip, and the chance below which there are more than that."""
+_ASTRAY = 3.0 * np.log1p(10.0**2) - 2.0 * np.log(_SLIPS)
+"""Evidence that a row must bring to count as one that is off by some ten sigma in every channel."""
 _WORTH = 9.2
 """Evidence that a second name must add."""
 _LATER = 0.1
@@ -163,13 +165,19 @@ def _looked_at(problem: Problem, baseline: View, begin: dict[str, float], noise:
 
 
 def _louder(view: View) -> tuple[str, ...]:
-    """Return a line where what looks like noise is far more than the noise that the measurements declare."""
+    """Return lines where what looks like noise is far more than the measurements declare, or has too many outliers."""
+    from scipy.stats import binom
+
+    lines, lost = list[str](), len(view.outliers)
     count = ((view.noise.origin[view.rows] == DECLARED) & view.used).sum(axis=0)
     scale = np.where(count > 0, view.cleaned.scale, 0.0)
-    if not (scale > 1.0 + _LOUD / np.sqrt(np.maximum(count, 1))).any():
-        return ()
-    return (f"what is left scatters {scale.max():.2g} times as much as the noise that is declared: either that is "
-            "wrong, or something is missing that looks like no effect of the catalogue",)  # fmt: skip
+    if (scale > 1.0 + _LOUD / np.sqrt(np.maximum(count, 1))).any():
+        lines.append(f"what is left scatters {scale.max():.2g} times as much as the noise that is declared: either that "
+                     "is wrong, or something is missing that looks like no effect of the catalogue")  # fmt: skip
+    if binom.sf(lost - 1, lost + len(view.rows), _SLIPS) < _BY_CHANCE:
+        lines.append(f"{lost} of {lost + len(view.rows)} rows are far from all that effects and smooth functions say: "
+                     "either the readings slip often, or something is missing that acts in these rows alone")  # fmt: skip
+    return tuple(lines)
 
 
 def _on_more_than_a_row(view: View, alpha: float, seed: int) -> tuple[View, tuple[Gate, ...]]:

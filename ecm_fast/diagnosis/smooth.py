@@ -1,4 +1,4 @@
-"""Low polynomials of the loads and of time: what a disagreement that has no name would still look like."""
+"""Low polynomials of the loads and of time, and settling: what a disagreement that has no name still looks like."""
 
 from collections.abc import Sequence
 from itertools import combinations_with_replacement
@@ -14,10 +14,12 @@ Array = NDArray[np.float64]
 
 _DEGREE, _DRIFT = 3, 2
 _ROWS_PER_TERM = 4
+_SETTLING = 15.0
+"""Time in which what lags behind a change of load, neck, tendons or camera, is taken to settle [s]."""
 
 
 def smooth_columns(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> Array:
-    """Return polynomials, (n, q), of the loads of each experiment and of the order of each session.
+    """Return polynomials, (n, q), of the loads of each experiment and of the order of each session; and what settles.
 
     `rows` (n,) says which rows count; there are never more polynomials than a quarter of these.
     """
@@ -34,6 +36,7 @@ def smooth_columns(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> Arr
     ]
     for group in range(int(run.max()) + 1):
         columns += _of_order(run == group, rows)
+    columns += _of_settling(loads, np.concatenate([part.dwell for part in data]), run, rows)
     return np.column_stack(columns) if columns else np.zeros((len(rows), 0))
 
 
@@ -75,3 +78,13 @@ def _of_order(here: NDArray[np.bool_], rows: NDArray[np.bool_]) -> list[Array]:
     t = np.zeros(here.size)
     t[here] = np.linspace(-1.0, 1.0, int(here.sum()))
     return [np.where(here, t**degree, 0.0) for degree in range(1, _DRIFT + 1)]
+
+
+def _of_settling(loads: Array, dwell: Array, run: NDArray[np.int64], rows: NDArray[np.bool_]) -> list[Array]:
+    """Return what is left, after the dwell, of the last change of the tendon forces' sum and difference."""
+    if int((rows & np.isfinite(dwell)).sum()) < 5 * _ROWS_PER_TERM:
+        return []
+    before = np.concatenate([[0], np.arange(len(run) - 1)])
+    left = np.where(np.isfinite(dwell) & (run == run[before]), np.exp(-np.nan_to_num(dwell) / _SETTLING), 0.0)
+    change = left[:, None] * (loads[before] - loads)[:, :2] / np.maximum(np.ptp(loads[:, :2], axis=0), 1e-9)
+    return [column for column in change.T if column[rows].any()]
