@@ -11,7 +11,7 @@ __all__ = ["starts"]
 Array = NDArray[np.float64]
 
 _STEPS = (-2.0, -1.0, 1.0, 2.0)
-"""Prior standard deviations from the usual value. A law with a corner shows nothing of itself to a fit from beyond it."""
+"""Prior standard deviations from the usual value: beyond its corner a law shows a fit nothing of itself."""
 
 
 def starts(view: View) -> dict[str, float]:

@@ -172,11 +172,11 @@ def _louder(view: View) -> tuple[str, ...]:
     count = ((view.noise.origin[view.rows] == DECLARED) & view.used).sum(axis=0)
     scale = np.where(count > 0, view.cleaned.scale, 0.0)
     if (scale > 1.0 + _LOUD / np.sqrt(np.maximum(count, 1))).any():
-        lines.append(f"what is left scatters {scale.max():.2g} times as much as the noise that is declared: either that "
-                     "is wrong, or something is missing that looks like no effect of the catalogue")  # fmt: skip
+        lines.append(f"what is left scatters {scale.max():.2g} times as much as the noise that is declared: either "
+                     "that is wrong, or something is missing that looks like no effect of the catalogue")  # fmt: skip
     if binom.sf(lost - 1, lost + len(view.rows), _SLIPS) < _BY_CHANCE:
-        lines.append(f"{lost} of {lost + len(view.rows)} rows are far from all that effects and smooth functions say: "
-                     "either the readings slip often, or something is missing that acts in these rows alone")  # fmt: skip
+        lines.append(f"{lost} of {lost + len(view.rows)} rows are far from all that effects and smooth functions "
+                     "say: readings slip often, or something is missing that acts there alone")  # fmt: skip
     return tuple(lines)
 
 
