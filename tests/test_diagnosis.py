@@ -8,6 +8,7 @@ import pytest
 
 from ecm_fast import Mechanism, diagnose, plan, predict, read_measurements
 from ecm_fast.cli import main
+from ecm_fast.diagnosis.pool import Pool
 from ecm_fast.effects import CATALOGUE
 from ecm_fast.errors import InputError
 from ecm_fast.testbed import Sensors, equilibria, measure, readings, shear_test, tendon_test
@@ -104,6 +105,28 @@ def test_a_plan_needs_no_poses_and_mirror_classes_do_not_mix():
     assert "mooney_rivlin" in found.of("invisible")
     assert {"bending_one_sided", "marker_lever_z"} <= set(found.of("named"))
     assert "force_gain" in found.of("absorbed")
+
+
+def test_what_does_not_show_is_said_with_the_loads_that_would_show_it():
+    loads, more = tendon_test(grid=3), Pool.of(["wrench"]).data  # a grid of nine has no locked rows
+    sights = {sight.name: sight for sight in plan(NECK, loads).sights}
+    found = sights["shear_cubic"]
+    assert found.visible == "invisible"
+    assert found.shown_by.startswith("a wrench")
+    assert sights["rotational_spring"].shown_by == ""
+    assert sights["rotational_spring"].cure == "nothing that the test bed can do"
+
+    def column(name: str, at: float, step: float):
+        up, down = (np.concatenate([predict(NECK.replace(**{name: at + sign * step}), part).pose for part in
+                                    (loads, more)]) for sign in (1.0, -1.0))  # fmt: skip
+        return ((up - down) / (2.0 * step) / np.array([1e-4, 1e-4, 1e-3])).ravel()
+
+    calibrated = np.column_stack([column(name, getattr(NECK.beam, name), 1e-3 * getattr(NECK.beam, name)) for name in
+                                  ("EA", "GA", "EI")])  # fmt: skip
+    typical = CATALOGUE["shear_cubic"].size.typical
+    own = typical * column("shear_cubic", 0.0, 0.02 * typical)
+    left = own - calibrated @ np.linalg.lstsq(calibrated, own, rcond=None)[0]
+    assert abs(found.shown_sigmas - np.linalg.norm(left)) < 0.01 * found.shown_sigmas
 
 
 def test_the_road_by_command_line(tmp_path, capsys, bent):

@@ -188,9 +188,9 @@ def _plan_text(found: "Plan") -> str:
     lines = [f"{found.rows} loads; {found.noise}"]
     for sight in found.sights:
         rivals = ", ".join(f"{name} ({sigmas:.1f})" for name, _, sigmas in sight.rivals[:3])
-        needs = f"; needs {', '.join(sight.needs)}" if sight.needs else ""
+        cure = f"; would be shown by {sight.cure}" if sight.cure else ""
         lines.append(f"{sight.visible:9} {sight.name}: typical {sight.typical:g} {sight.unit} is {sight.sigmas:.1f} "
-                     f"sigma, found from {sight.smallest:.2g}; nearest {rivals or 'none'}{needs}")  # fmt: skip
+                     f"sigma, found from {sight.smallest:.2g}; nearest {rivals or 'none'}{cure}")  # fmt: skip
     return "\n".join(lines)
 
 

@@ -119,6 +119,8 @@ class Sight:
     rivals : nearest others: name, cosine, sigmas that a typical size is away from them
     visible : ``named``, ``seen`` (but not told from its rivals), ``absorbed`` by the calibration or ``invisible``
     needs : columns that are missing for it to show
+    shown_by, shown_sigmas : where it does not show: what would show it, one reading of each load of a kind, and the
+        sigmas that a typical size would then have; empty and 0 where nothing on this test bed does
     """
 
     name: str
@@ -130,6 +132,17 @@ class Sight:
     rivals: tuple[tuple[str, float, float], ...]
     visible: str
     needs: tuple[str, ...] = ()
+    shown_by: str = ""
+    shown_sigmas: float = 0.0
+
+    @property
+    def cure(self) -> str:
+        """What would show it, in words; empty where it does show."""
+        if self.visible in ("named", "seen"):
+            return ""
+        columns = f"columns {', '.join(self.needs)}" if self.needs else ""
+        loads = f"{self.shown_by} ({self.shown_sigmas:.1f} sigma)" if self.shown_by else ""
+        return " and ".join(filter(None, (columns, loads))) or "nothing that the test bed can do"
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the entry of ``sights`` in the JSON of a diagnosis or plan."""
@@ -137,6 +150,8 @@ class Sight:
             **{name: getattr(self, name) for name in ("name", "unit", "typical", "sigmas", "smallest", "kept")},
             "visible": self.visible,
             "needs": list(self.needs),
+            "shown_by": self.shown_by,
+            "shown_sigmas": self.shown_sigmas,
             "rivals": [{"name": n, "cosine": c, "sigmas": d} for n, c, d in self.rivals],
         }
 

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .candidates import SIZE_SPREAD, lacking
+from .elsewhere import elsewhere
 from .gates import NAMED, null_quantile
 from .result import Sight
 from .view import View
@@ -48,6 +49,7 @@ def sights(view: View, alpha: float, seed: int) -> tuple[Sight, ...]:
     needed = null_quantile(gram, view.cleaned.trusted_dof, NAMED * alpha, seed) + _FOUND
     seen = needed <= _SEEN * sigmas
     rival = np.where(seen[None, :], apart, np.inf)
+    what, then = elsewhere(view)
     answer = []
     for i, candidate in enumerate(candidates):
         smallest = needed / sigmas[i] * candidate.typical if sigmas[i] > 0.0 else np.inf
@@ -60,5 +62,7 @@ def sights(view: View, alpha: float, seed: int) -> tuple[Sight, ...]:
         entry = candidate.effect.size
         rivals = tuple((candidates[j].name, float(cosine[i, j]), float(apart[i, j])) for j in nearest)
         size = (entry.unit, entry.typical, float(sigmas[i]), float(smallest))
-        answer.append(Sight(candidate.name, *size, kept, rivals, visible, needs))
+        shows = needed <= _SEEN * then[i] / SIZE_SPREAD and not seen[i]
+        shown_by = (what[i], float(then[i] / SIZE_SPREAD)) if shows else ("", 0.0)
+        answer.append(Sight(candidate.name, *size, kept, rivals, visible, needs, *shown_by))
     return tuple(answer)

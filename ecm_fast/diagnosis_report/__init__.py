@@ -202,8 +202,9 @@ def _sights(found: Diagnosis) -> Table:
     for sight in sorted(found.sights, key=lambda sight: -sight.sigmas):
         unit = "" if sight.unit == "-" else f" {sight.unit}"
         rivals = ", ".join(f"{name} {apart:.1f}" for name, _, apart in sight.rivals[:3])
-        rows.append((sight.name, sight.visible, f"{sight.typical:g}{unit}", sight.sigmas, sight.smallest, rivals))
-    head = ("effect", "seen", "typical", "sigma at typical", "found from", "nearest, sigma apart")
+        numbers = (f"{sight.typical:g}{unit}", sight.sigmas, sight.smallest)
+        rows.append((sight.name, sight.visible, *numbers, rivals, sight.cure))
+    head = ("effect", "seen", "typical", "sigma at typical", "found from", "nearest, sigma apart", "would be shown by")
     return Table("Every effect of the catalogue in these poses", head, tuple(rows))
 
 

@@ -1,0 +1,69 @@
+"""What other loads would show of effects that the loads at hand do not."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .pool import Pool
+from .problem import Problem
+from .view import View
+
+__all__ = ["GROUPS", "elsewhere"]
+
+Array = NDArray[np.float64]
+
+GROUPS = {
+    "more tendon loads": ("nothing",),
+    "a wrench at the head, tendons off": ("wrench",),
+    "2 kg more on the head": ("mass",),
+    "the test bed tilted to both sides": ("tilt", "tilt-back"),
+}
+"""What one can do next, by the add-ons of `pool.ADD_ONS`: the loads of one kind are measured once each."""
+
+
+def elsewhere(view: View) -> tuple[tuple[str, ...], Array]:
+    """Return what would show most of each candidate, (k,), and the sigmas that a prior deviation of it then has, (k,).
+
+    The loads at hand count along; nuisances, calibration above all, are fitted to both.
+    """
+    problem, pool = view.problem, Pool.of()
+    there = _problem(view, pool)
+    solver = there.solver([candidate.keys[0] for candidate in problem.candidates])
+    at = [view.values.get(key, float(own)) for key, own in
+          zip(solver.names, there.start(solver.names), strict=True)]  # fmt: skip
+    state = solver.at(np.array(at))
+    weights = there.weights(there.noise(state), state, state.stable)
+    by = np.where(state.stable[:, None, None], np.nan_to_num(weights.whitening @ state.by), 0.0)
+    calibrated, free, readings = len(problem.keys), view.free.shape[1], 3 * len(view.rows)
+    spread = np.array([candidate.spread[0] for candidate in problem.candidates])
+    columns = np.zeros((*by.shape[:2], free + len(spread)))
+    columns[:, :, :calibrated] = by[:, :, :calibrated]
+    place = {key: i for i, key in enumerate(solver.names)}
+    columns[:, :, free:] = by[:, :, [place[candidate.keys[0]] for candidate in problem.candidates]] * spread
+    priors = np.zeros((len(view.free) - readings, len(spread)))
+    here = np.hstack([view.free, np.vstack([view.flat(view.sizes), priors])])
+    found = np.array([_sigmas(here, columns[np.isin(pool.add_on, own)], free) for own in GROUPS.values()])
+    best = np.argmax(found, axis=0)
+    return tuple(np.array(list(GROUPS))[best].tolist()), found.max(axis=0)
+
+
+def _problem(view: View, pool: Pool) -> Problem:
+    """Return the loads of a pool as measurements with the noise of a view."""
+    problem, loads = view.problem, pool.data
+    sigma = np.nanmedian(np.where(view.used, view.weights.sigma[view.rows], np.nan), axis=0)
+    columns: dict[str, Any] = {name: np.zeros(loads.n) for name in ("x", "z", "theta")}
+    columns |= {f"sigma_{name}": np.full(loads.n, value) for name, value in zip(columns, sigma, strict=True)}
+    told = replace(loads, **columns)
+    return Problem(problem.mechanism, [told], problem.candidates, dict.fromkeys(problem.keys, np.inf), {},
+                   force_sigma=float(np.median(view.noise.force)), seed=0)  # fmt: skip
+
+
+def _sigmas(here: Array, more: Array, free: int) -> Array:
+    """Return the norms of what the first `free` columns leave of the others, (k,)."""
+    columns = np.vstack([here, more.reshape(-1, here.shape[1])])
+    size = np.sqrt((columns[:, :free] ** 2).sum(axis=0))
+    q, _ = np.linalg.qr(columns[:, :free][:, size > 0.0] / size[size > 0.0])
+    kept = columns[:, free:] - q @ (q.T @ columns[:, free:])
+    return np.asarray(np.sqrt((kept**2).sum(axis=0)))
