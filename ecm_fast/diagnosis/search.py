@@ -185,18 +185,19 @@ def _on_more_than_a_row(view: View, alpha: float, seed: int) -> tuple[View, tupl
 
     Unless one effect makes them all at once: a stop touches few rows, and these as no accident would.
     """
-    first = gates = view.gates(alpha, seed)
-    reduced = view
-    for dropped in range(_ALONE + 1):
+    first = view.gates(alpha, seed)
+    for most, smooth in ((_ALONE, True), (1, False)):
+        gates, reduced, dropped = first, view, 0
+        while any(gate.alarm for gate in gates) and dropped < most:
+            row, gain = reduced.worst(smooth=smooth)
+            if gain < _FAR_OUT:
+                break
+            reduced, dropped = reduced.without(row), dropped + 1
+            gates = reduced.gates(alpha, seed)
         if not any(gate.alarm for gate in gates):
             astray = view.gram.left - reduced.gram.left - _ASTRAY * dropped
             named = dropped and float(view.gram.singles()[0].max(initial=0.0)) > astray
             return (view, first) if named else (reduced, gates)
-        row, gain = reduced.worst()
-        if gain < _FAR_OUT:
-            break
-        reduced = reduced.without(row)
-        gates = reduced.gates(alpha, seed)
     return view, first
 
 

@@ -288,12 +288,17 @@ class View:
         lost = np.append(self.outliers, self.rows[row])
         return replace(self, rows=rows, chain=self.problem.chain(rows), cleaned=cleaned, outliers=lost)
 
-    def worst(self) -> tuple[int, float]:
-        """Return the row whose removal takes most off the sum of squares, smooth functions let free, and how much."""
-        smooth = self.flat(_by_channel(self.smooth[self.rows]).reshape(len(self.rows), 3, -1))
-        columns = np.hstack([self.rest[1][: len(smooth)], smooth])
-        off = self.rest[0][: len(smooth)]
-        gain = removal(off.reshape(-1, 3), orthonormal(columns))
+    def worst(self, *, smooth: bool) -> tuple[int, float]:
+        """Return the row whose removal takes most off the sum of squares, and how much.
+
+        smooth : whether smooth functions are let free; a row that they bend to hides from them
+        """
+        count = 3 * len(self.rows)
+        columns = self.rest[1][:count]
+        if smooth:
+            more = self.flat(_by_channel(self.smooth[self.rows]).reshape(len(self.rows), 3, -1))
+            columns = np.hstack([columns, more])
+        gain = removal(self.rest[0][:count].reshape(-1, 3), orthonormal(columns))
         return int(np.argmax(gain)), float(gain.max())
 
 
