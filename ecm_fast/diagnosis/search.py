@@ -18,7 +18,7 @@ __all__ = ["LIMITS", "Found", "search"]
 
 Array = NDArray[np.float64]
 
-LIMITS = {1: 6.6, 2: 9.2}
+LIMITS = {1: 5.0, 2: 9.2}
 """Evidence that a model of so many effects may lack to the best one and still be told from it by nobody."""
 _PLAUSIBLE = 10.0
 """Typical sizes beyond which a name is refused."""

@@ -1,12 +1,14 @@
 """Low polynomials of the loads and of time, and settling: what a disagreement that has no name still looks like."""
 
 from collections.abc import Sequence
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Measurements
+from ..history import Record
+from ..kernels.history import follow
 
 __all__ = ["coordinates", "smooth_columns"]
 
@@ -14,8 +16,8 @@ Array = NDArray[np.float64]
 
 _DEGREE, _DRIFT = 3, 2
 _ROWS_PER_TERM = 4
-_SETTLING = 15.0
-"""Time in which what lags behind a change of load, neck, tendons or camera, is taken to settle [s]."""
+_SETTLING = (15.0, 400.0)
+"""Times in which what lags behind a change of load, neck, tendons or camera, is taken to settle [s]."""
 
 
 def smooth_columns(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> Array:
@@ -36,7 +38,7 @@ def smooth_columns(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> Arr
     ]
     for group in range(int(run.max()) + 1):
         columns += _of_order(run == group, rows)
-    columns += _of_settling(loads, np.concatenate([part.dwell for part in data]), run, rows)
+    columns += _of_settling(data, rows)
     return np.column_stack(columns) if columns else np.zeros((len(rows), 0))
 
 
@@ -80,11 +82,21 @@ def _of_order(here: NDArray[np.bool_], rows: NDArray[np.bool_]) -> list[Array]:
     return [np.where(here, t**degree, 0.0) for degree in range(1, _DRIFT + 1)]
 
 
-def _of_settling(loads: Array, dwell: Array, run: NDArray[np.int64], rows: NDArray[np.bool_]) -> list[Array]:
-    """Return what is left, after the dwell, of the last change of the tendon forces' sum and difference."""
-    if int((rows & np.isfinite(dwell)).sum()) < 5 * _ROWS_PER_TERM:
+def _of_settling(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> list[Array]:
+    """Return what is not yet forgotten of earlier tendon forces, their sum and difference, where dwells are known."""
+    held = np.concatenate([part.dwell for part in data])
+    if int((rows & np.isfinite(held)).sum()) < 5 * _ROWS_PER_TERM:
         return []
-    before = np.concatenate([[0], np.arange(len(run) - 1)])
-    left = np.where(np.isfinite(dwell) & (run == run[before]), np.exp(-np.nan_to_num(dwell) / _SETTLING), 0.0)
-    change = left[:, None] * (loads[before] - loads)[:, :2] / np.maximum(np.ptp(loads[:, :2], axis=0), 1e-9)
-    return [column for column in change.T if column[rows].any()]
+    parts = [_forgotten(Record.of(part)) for part in data]
+    return [column for column in np.concatenate(parts).T if column[rows].any()]
+
+
+def _forgotten(record: Record) -> Array:
+    """Return what each time of `_SETTLING` leaves of the change from earlier forces, (n, 4)."""
+    data, n = record.data, record.data.n
+    still, rest, travel, slider = np.zeros((n, 2)), np.zeros(2), np.empty((n, 2)), np.empty(n)
+    out = np.empty((2 * len(_SETTLING), n))
+    forces = (data.lam_l + data.lam_r, data.lam_l - data.lam_r)
+    for column, (force, time) in zip(out, product(forces, _SETTLING), strict=True):
+        follow(record.begins, record.repeats, record.held, force, still, rest, 1.0, time, travel, slider, column)
+    return np.where(np.isfinite(data.dwell), out / max(float(np.ptp(forces, axis=1).max()), 1e-9), 0.0).T
