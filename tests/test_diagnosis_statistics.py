@@ -95,7 +95,7 @@ def test_the_gates_say_how_rare_their_statistic_is():
     exact = 2.0 * stats.t.sf(gate.statistic, 20.0)
     assert gate.p == pytest.approx(exact, abs=4.0 * np.sqrt(exact / 10_000) + 1e-3)
     nuisances, smooth, residual = rng.standard_normal((50, 3)), rng.standard_normal((50, 5)), rng.standard_normal(50)
-    found = smooth_gate(residual, nuisances, smooth, 37.0, 0, 0.01)
+    found = smooth_gate(residual, nuisances, [smooth], 37.0, 0, 0.01)
     left = [
         np.sum((residual - m @ np.linalg.lstsq(m, residual, rcond=None)[0]) ** 2)
         for m in (nuisances, np.hstack([nuisances, smooth]))

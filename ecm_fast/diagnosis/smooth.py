@@ -20,10 +20,11 @@ _SETTLING = (15.0, 400.0)
 """Times in which what lags behind a change of load, neck, tendons or camera, is taken to settle [s]."""
 
 
-def smooth_columns(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> Array:
+def smooth_columns(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:
     """Return polynomials, (n, q), of the loads of each experiment and of the order of each session; and what settles.
 
-    `rows` (n,) says which rows count; there are never more polynomials than a quarter of these.
+    Which of the three kinds a column is, (q,), is a number from 0 on. `rows` (n,) says which rows count; there are
+    never more polynomials than a quarter of these.
     """
     member = np.repeat(np.arange(len(data)), [part.n for part in data])
     experiment = np.concatenate([part.experiment for part in data])
@@ -31,15 +32,12 @@ def smooth_columns(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> Arr
     _, kind = np.unique(np.rec.fromarrays([member, experiment]), return_inverse=True)
     _, run = np.unique(np.rec.fromarrays([member, session]), return_inverse=True)
     loads = _loads(data)
-    columns = [
-        column
-        for group in range(int(kind.max()) + 1)
-        for column in _of_loads(loads, (kind == group) & rows, kind == group)
-    ]
-    for group in range(int(run.max()) + 1):
-        columns += _of_order(run == group, rows)
-    columns += _of_settling(data, rows)
-    return np.column_stack(columns) if columns else np.zeros((len(rows), 0))
+    groups, runs = range(int(kind.max()) + 1), range(int(run.max()) + 1)
+    of_loads = [column for i in groups for column in _of_loads(loads, (kind == i) & rows, kind == i)]
+    of_order = [column for i in runs for column in _of_order(run == i, rows)]
+    columns = [*of_loads, *of_order, *(settling := _of_settling(data, rows))]
+    kinds = np.repeat([0, 1, 2], [len(of_loads), len(of_order), len(settling)])
+    return np.column_stack(columns) if columns else np.zeros((len(rows), 0)), kinds
 
 
 def coordinates(data: Sequence[Measurements]) -> Array:

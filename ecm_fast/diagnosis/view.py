@@ -44,6 +44,7 @@ class View:
     rows : places of the rows that count
     chain : their order
     cleaned : their residuals, drawn in, outliers left out
+    smooth : functions (all rows, q) that a disagreement without a name may follow, and of which kind each one is
     """
 
     problem: Problem
@@ -57,7 +58,7 @@ class View:
     chain: Chain
     cleaned: Cleaned
     outliers: NDArray[np.int64]
-    smooth: Array = field(repr=False)
+    smooth: tuple[Array, NDArray[np.int64]] = field(repr=False)
 
     @classmethod
     def at(
@@ -189,7 +190,7 @@ class View:
         order = np.argsort(-values)[: max(readings // _SHARE, 1)]
         order = order[values[order] * _SATURATED**2 > 1.0]
         directions = effects @ vectors[:, order] / np.sqrt(values[order])
-        smooth = _by_channel(self.smooth[self.rows])
+        smooth = _by_channel(self.smooth[0][self.rows])
         basis = np.concatenate([base, directions, smooth], axis=1).reshape(len(self.rows), 3, -1)
         declared = (self.noise.origin[self.rows] == DECLARED).any(axis=0)
         return clean(self.raw, self.used, basis, self.chain, declared)
@@ -245,12 +246,13 @@ class View:
     def gates(self, alpha: float, seed: int) -> tuple[Gate, Gate]:
         """Return both tests for more than the model has."""
         residual, free, gram = self.rest
-        smooth = self.flat(_by_channel(self.smooth[self.rows]).reshape(len(self.rows), 3, -1))
+        smooth, kinds = self._smooth(), np.repeat(self.smooth[1], 3)
         smooth = np.vstack([smooth, np.zeros((len(residual) - len(smooth), smooth.shape[1]))])
+        by_kind = [smooth[:, kinds == kind] for kind in np.unique(kinds)]
         stage, dof = len(self.model), self.cleaned.trusted_dof
         return (
             effects_gate(gram, dof, stage, NAMED * alpha, seed),
-            smooth_gate(residual, free, smooth, dof, stage, SMOOTH * alpha),
+            smooth_gate(residual, free, by_kind, dof, stage, SMOOTH * alpha),
         )
 
     @cached_property
@@ -288,6 +290,10 @@ class View:
         lost = np.append(self.outliers, self.rows[row])
         return replace(self, rows=rows, chain=self.problem.chain(rows), cleaned=cleaned, outliers=lost)
 
+    def _smooth(self) -> Array:
+        """Return smooth functions for each channel, (3 n, 3 q)."""
+        return self.flat(_by_channel(self.smooth[0][self.rows]).reshape(len(self.rows), 3, -1))
+
     def worst(self, *, smooth: bool) -> tuple[int, float]:
         """Return the row whose removal takes most off the sum of squares, and how much.
 
@@ -296,8 +302,7 @@ class View:
         count = 3 * len(self.rows)
         columns = self.rest[1][:count]
         if smooth:
-            more = self.flat(_by_channel(self.smooth[self.rows]).reshape(len(self.rows), 3, -1))
-            columns = np.hstack([columns, more])
+            columns = np.hstack([columns, self._smooth()])
         gain = removal(self.rest[0][:count].reshape(-1, 3), orthonormal(columns))
         return int(np.argmax(gain)), float(gain.max())
 
