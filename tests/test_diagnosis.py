@@ -6,9 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ecm_fast import Mechanism, diagnose, plan, predict, read_measurements
+from ecm_fast import Mechanism, diagnose, identify, plan, predict, read_measurements
 from ecm_fast.cli import main
+from ecm_fast.diagnosis.lock import lock
 from ecm_fast.diagnosis.pool import Pool
+from ecm_fast.diagnosis.standing import standing
 from ecm_fast.effects import CATALOGUE
 from ecm_fast.errors import InputError
 from ecm_fast.testbed import Sensors, equilibria, measure, readings, shear_test, tendon_test
@@ -105,6 +107,19 @@ def test_a_plan_needs_no_poses_and_mirror_classes_do_not_mix():
     assert "mooney_rivlin" in found.of("invisible")
     assert {"bending_one_sided", "marker_lever_z"} <= set(found.of("named"))
     assert "force_gain" in found.of("absorbed")
+
+
+def test_the_distance_to_the_nearest_rival_is_what_a_fit_of_it_leaves():
+    exact = measure(MADE.replace(bending_one_sided=0.003), LOADS, Sensors(camera_sigma=(0.0, 0.0, 0.0)), seed=1)
+    told = replace(exact, **{name: np.full(exact.n, sigma) for name, sigma in
+                             (("sigma_x", 1e-4), ("sigma_z", 1e-4), ("sigma_theta", 1e-3))})  # fmt: skip
+    found = standing(NECK, told, ("bending_one_sided",))
+    seen = told.select(np.flatnonzero(~lock([told], 0)))
+    free = ["EA", "GA", "EI"]
+    assert found.sigmas == pytest.approx(np.sqrt(identify(NECK, seen, free).chi2), rel=0.01)
+    rivals = (found.rival, "plate_misalignment", "pulley_height_asymmetry", "precurvature", "marker_angle_offset")
+    left = [np.sqrt(identify(NECK, seen, [*free, CATALOGUE[rival].size.key]).chi2) for rival in rivals]
+    assert min(left) == left[0] == pytest.approx(found.apart, rel=0.01)
 
 
 def test_what_does_not_show_is_said_with_the_loads_that_would_show_it():

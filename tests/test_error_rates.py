@@ -37,9 +37,9 @@ def oracle(path):
     return {"verdict": "named" if effects else "nothing_found", "effects": effects}
 
 
-def plainly(path, truth):
+def plainly(path, truth, answer):
     """Tell that every hidden effect stands out."""
-    return {name: {"sigmas": 9.0, "apart": 9.0} for name in (*truth.names, *truth.outside)}
+    return {"stands": {name: {"sigmas": 9.0, "apart": 9.0} for name in (*truth.names, *truth.outside)}}
 
 
 def test_known_answers_have_known_rates(tool, tmp_path, capsys):

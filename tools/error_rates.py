@@ -1,6 +1,6 @@
 """Measure how often a diagnosis is right: hide effects, diagnose, score, and write the rates.
 
-    python3 tools/run.py python tools/error_rates.py --folder sealed [--count 20] [--jobs 2] [--generate-only]
+    python3 tools/run.py python tools/error_rates.py --folder sealed [--count 20] [--seed 0] [--jobs 2]
 
 Sets lie in the folder, one file of measurements, one of the truth and one of the answer each. What is there is not made
 again, so that a run can be stopped and taken up, and answers alone can be thrown away (`--forget`) when the diagnosis
@@ -12,7 +12,7 @@ import json
 import zlib
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,7 +20,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import ecm_fast as ecm
-from ecm_fast.data import read_measurements
+from ecm_fast.data import Measurements, read_measurements
+from ecm_fast.diagnosis.lock import lock
+from ecm_fast.diagnosis.standing import standing
 from ecm_fast.effects import CATALOGUE
 from ecm_fast.errors import InputError
 from ecm_fast.files import write_whole
@@ -48,7 +50,13 @@ GROUPS = ("clean", "effects", "pairs", "outside")
 SETS_OF_A_PAIR_CELL = 10
 """Pairs are drawn at random from a cell of their own, this many times as many as of one effect."""
 Diagnose = Callable[[Path], dict[str, Any]]
-Tell = Callable[[Path, Truth], dict[str, dict[str, float]]]
+Tell = Callable[[Path, Truth, dict[str, Any]], dict[str, Any]]
+BUILD = ("geometry", "frame", "undeclared")
+"""Noises that say what is built and done; the others are those of the instruments."""
+INVISIBLE = 2.0
+"""Sigmas below which nobody could see an effect."""
+USUAL = {"sigma_x": 1e-4, "sigma_z": 1e-4, "sigma_theta": 1e-3}
+"""Noise of the camera where none is declared [m, m, rad]."""
 
 
 class Cell(NamedTuple):
@@ -67,6 +75,7 @@ class Sealed(NamedTuple):
     cell: Cell
     number: int
     folder: Path
+    run: int = 0
 
     @property
     def stem(self) -> str:
@@ -81,7 +90,8 @@ class Sealed(NamedTuple):
     @property
     def seed(self) -> int:
         """Different for every set, the same on every machine."""
-        return zlib.crc32(f"{self.cell.group}/{self.cell.design}/{self.cell.name}/{self.number}".encode())
+        run = f"{self.run}/" if self.run else ""
+        return zlib.crc32(f"{run}{self.cell.group}/{self.cell.design}/{self.cell.name}/{self.number}".encode())
 
 
 def cells(groups: Iterable[str], designs: Iterable[str], noises: tuple[str, ...], count: int) -> Iterator[Cell]:
@@ -130,34 +140,40 @@ def diagnosed(path: Path) -> dict[str, Any]:
     return answer
 
 
-def told(path: Path, truth: Truth) -> dict[str, dict[str, float]]:
-    """Return how many sigmas each hidden effect is, and how many it is apart from its nearest rival, at its size."""
-    if truth.kind == "outside":
-        return {name: {"apart": _from_catalogue(truth)} for name in truth.outside}
+def told(path: Path, truth: Truth, answer: dict[str, Any]) -> dict[str, Any]:
+    """Return what only the truth can tell: how far each hidden effect stands out, and how much of the gap is closed."""
     if truth.kind == "clean":
         return {}
-    sights = {sight.name: sight for sight in ecm.plan(ecm.Mechanism(), read_measurements(path)).sights}
-    answer = {}
-    for name in truth.names:
-        sight, size = sights[name], CATALOGUE[name].size
-        share = abs(truth.effects[size.name]) / sight.typical
-        nearest = min((apart for _, _, apart in sight.rivals), default=sight.sigmas)
-        answer[name] = {"sigmas": share * sight.sigmas, "apart": share * min(nearest, sight.sigmas)}
-    return answer
+    neck, read, hidden = ecm.Mechanism(), read_measurements(path), {**truth.effects, **truth.outside}
+    stands = {}
+    for name in (*truth.names, *truth.outside):
+        own = {key: value for key, value in hidden.items() if key.partition(".")[0] == name}
+        stands[name] = asdict(standing(neck, still(truth, own, read), (name,)))
+    return {"stands": stands, "closed": closed(still(truth, hidden, read), read, answer)}
 
 
-def _from_catalogue(truth: Truth) -> float:
-    """Return how many sigmas what is in no catalogue is apart from the nearest single effect of any size.
+def still(truth: Truth, effects: dict[str, float], read: Measurements) -> Measurements:
+    """Return the poses without noise under the loads without noise, with the noise that the readings declare."""
+    noise = "+".join([*(name for name in truth.noise.split("+") if name in BUILD), "none"])
+    data, _ = hide(effects=effects, design=truth.design, seed=truth.seed, noise=noise)
+    columns = {name: np.where(np.isfinite(getattr(read, name)), getattr(read, name), usual)
+               for name, usual in USUAL.items()}  # fmt: skip
+    return replace(data, **columns, sigma_lam=read.sigma_lam)
 
-    The same poses without noise are fitted with each effect that comes near; what the best fit leaves is the distance.
-    """
-    neck, sigma = ecm.Mechanism(), {"sigma_x": 1e-4, "sigma_z": 1e-4, "sigma_theta": 1e-3}
-    data, _ = hide(effects=dict(truth.outside), design=truth.design, seed=truth.seed, noise="none")
-    data = replace(data, **{name: np.full(data.n, value) for name, value in sigma.items()})
-    near = [model.names for model in ecm.diagnose(neck, data, max_effects=1).models]
-    keys = [[entry.key for entry in CATALOGUE[name]] for (name,) in near]
-    left = [ecm.identify(neck, data, ["EA", "GA", "EI", *own]).chi2 for own in keys]
-    return float(np.sqrt(min([*left, ecm.identify(neck, data, ["EA", "GA", "EI"]).chi2])))
+
+def closed(exact: Measurements, read: Measurements, answer: dict[str, Any]) -> float | None:
+    """Return the share of the mean square that the answer takes off the locked rows' poses without noise."""
+    if not answer["effects"]:
+        return None
+    stiffness = [{name: entry["value"] for name, entry in answer[key].items()} for key in
+                 ("calibration_before", "calibration")]  # fmt: skip
+    effects = {f"effects.{name}": value for entry in answer["effects"] for name, value in entry["parameters"].items()}
+    rows, sigma = lock([read], 0), [exact.sigma_x, exact.sigma_z, exact.sigma_theta]
+    before, after = (
+        float(np.mean((ecm.predict(neck, exact).residual / np.column_stack(sigma))[rows] ** 2))
+        for neck in (ecm.Mechanism().replace(**stiffness[0]), ecm.Mechanism().replace(**stiffness[1], **effects))
+    )
+    return 1.0 - after / before
 
 
 def work(sealed: Sealed, noises: tuple[str, ...], diagnose: Diagnose | None, tell: Tell) -> bool:
@@ -167,21 +183,36 @@ def work(sealed: Sealed, noises: tuple[str, ...], diagnose: Diagnose | None, tel
     answer, data = Path(f"{sealed.stem}.answer.json"), Path(f"{sealed.stem}.csv")
     if diagnose is not None and not answer.exists():
         found = diagnose(data)
-        found["told"] = tell(data, Truth.from_json(f"{sealed.stem}.truth.json"))
+        found["told"] = tell(data, Truth.from_json(f"{sealed.stem}.truth.json"), found)
         write_whole(answer, json.dumps(found) + "\n")
     return True
 
 
 class Graded(NamedTuple):
-    """A set's cell, the grade of its answer, and how well its effects could be told, see `told`."""
+    """A set's cell, the grade of its answer, what only the truth can tell, and what the answer says of the hidden."""
 
     cell: Cell
     grade: Score
-    told: dict[str, dict[str, float]]
+    told: dict[str, Any]
+    said: dict[str, Any]
 
     def least(self, what: str) -> float:
         """Return the smallest of the hidden effects' sigmas, or of their distances to rivals."""
-        return min((entry[what] for entry in self.told.values()), default=0.0)
+        return min((entry[what] for entry in self.told.get("stands", {}).values()), default=0.0)
+
+    @property
+    def unseen(self) -> bool | None:
+        """Whether the answer says that an effect this small does not show, and names none; None where it could."""
+        if self.least("sigmas") >= INVISIBLE:
+            return None
+        size = self.said.get("smallest")
+        return not self.grade.named and (size is None or size > self.said["size"])
+
+    @property
+    def cured(self) -> bool | None:
+        """Whether it says what would show it where a typical size would not, either; None where one would."""
+        hides = self.unseen and self.said["visible"] in ("absorbed", "invisible")
+        return bool(self.said["needs"] or self.said["shown_by"]) if hides else None
 
 
 def graded(sets: Iterable[Sealed]) -> list[Graded]:
@@ -192,7 +223,10 @@ def graded(sets: Iterable[Sealed]) -> list[Graded]:
         if answer.exists():
             truth = Truth.from_json(f"{sealed.stem}.truth.json")
             words = json.loads(answer.read_text(encoding="utf-8"))
-            found.append(Graded(sealed.cell, score(words, truth), words.get("told", {})))
+            said = next((sight for sight in words.get("sights", ()) if truth.names == (sight["name"],)), {})
+            if said:
+                said["size"] = abs(truth.effects[CATALOGUE[said["name"]].size.name])
+            found.append(Graded(sealed.cell, score(words, truth), words.get("told", {}), said))
     return found
 
 
@@ -217,23 +251,32 @@ def rates(scores: list[Graded]) -> dict[str, str]:
     noisy: dict[str, list[bool]] = {}
     for entry in by_group["clean"]:
         noisy.setdefault(entry.cell.noise, []).append(entry.grade.false_alarm)
-    claims = [entry.grade for entry in one if entry.grade.named]
-    sizes = [grade.set_size for grade in claims if grade.set_size is not None]
-    far = [entry.grade for entry in one if entry.least("apart") >= 8.0]
+    claims = [entry for entry in one if entry.grade.named]
+    sizes = [entry.grade.set_size for entry in claims if entry.grade.set_size is not None]
+    far = [entry for entry in one if entry.least("apart") >= 8.0]
     near = [entry.grade for entry in one if 4.0 <= entry.least("apart") < 8.0]
     seen = [entry.grade for entry in two if entry.least("sigmas") >= 6.0]
+    strong = [entry for entry in claims if entry.least("sigmas") >= 8.0]
     return {
         "false alarm on clean data": share(grade.false_alarm for grade in clean),
         "the same, worst noise": max((share(alarms) for alarms in noisy.values()), default="-", key=_first_number),
-        "one effect, 8 sigma or more from every rival: named first": share(bool(grade.top) for grade in far),
+        "one effect, 8 sigma or more from every rival: named first": share(bool(entry.grade.top) for entry in far),
         "one effect, 4 to 8 sigma: named first": share(bool(grade.top) for grade in near),
         "one effect of any size: reported": share(bool(entry.grade.named) for entry in one),
-        "of those: named first": share(grade.top for grade in claims),
-        "of those: truth in the reported set": share(grade.in_set for grade in claims),
+        "of those: named first": share(entry.grade.top for entry in claims),
+        "of those: truth in the reported set": share(entry.grade.in_set for entry in claims),
         "of those: mean set size": f"{np.mean(sizes):.2f}" if sizes else "-",
         "a name printed alone is right": share(entry.grade.alone_right for entry in one),
         "a second name on one effect": share(entry.grade.extra for entry in one),
-        "gap closed on locked rows, median / 5th percentile": level((grade.gap_closed for grade in claims), 50, 5),
+        "one effect below 2 sigma: no name, and said to be too small to show": share(entry.unseen for entry in one),
+        "of those that hide even at typical size: said which loads or columns would show it": share(
+            entry.cured for entry in one
+        ),
+        "gap closed on locked rows as the noise lets it be seen, median / 5th percentile": level(
+            (entry.grade.gap_closed for entry in claims), 50, 5
+        ),
+        "the same against the poses without noise": level((entry.told.get("closed") for entry in claims), 50, 5),
+        "the same, effects of 8 sigma or more": level((entry.told.get("closed") for entry in strong), 50, 5),
         "interval of the size holds the truth": share(_size_covered(entry.grade for entry in one)),
         "two effects, each 6 sigma or more: both named": share(bool(grade.top) for grade in seen),
         "two effects, each 6 sigma or more: both in the reported sets": share(bool(grade.in_set) for grade in seen),
@@ -242,6 +285,9 @@ def rates(scores: list[Graded]) -> dict[str, str]:
         ),
         "outside the catalogue, 8 sigma or more from every entry: one name alone": share(
             grade.alone and len(grade.named) == 1 for grade in outside
+        ),
+        "outside the catalogue, 8 sigma or more from every entry: two names": share(
+            len(grade.named) == 2 for grade in outside
         ),
     }
 
@@ -269,7 +315,7 @@ def table(by_design: dict[str, dict[str, str]]) -> list[str]:
 def by_effect(scores: list[Graded]) -> dict[str, dict[str, str]]:
     """Return rates of every effect hidden alone."""
     groups: dict[str, list[Score]] = {}
-    for cell, grade, _ in scores:
+    for cell, grade, *_ in scores:
         if cell.group in ("effects", "outside"):
             groups.setdefault(f"{cell.design} {cell.name}", []).append(grade)
     return {
@@ -292,7 +338,7 @@ def main(words: list[str] | None = None, diagnose: Diagnose = diagnosed, tell: T
     """Make what is missing, and write the rates to ``rates.json`` and, if asked, to the README."""
     args = _arguments(words)
     chosen = tuple(cells(args.groups, args.designs, tuple(args.noises), args.count))
-    sets = [Sealed(cell, number, args.folder) for cell in chosen for number in range(cell.count)]
+    sets = [Sealed(cell, number, args.folder, args.seed) for cell in chosen for number in range(cell.count)]
     if args.forget:
         for sealed in sets:
             Path(f"{sealed.stem}.answer.json").unlink(missing_ok=True)
@@ -320,6 +366,7 @@ def _arguments(words: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--folder", type=Path, required=True, help="where the sets are kept")
     parser.add_argument("--count", type=int, default=20, help="sets of a cell")
+    parser.add_argument("--seed", type=int, default=0, help="of all sets; another number makes fresh ones")
     parser.add_argument("--groups", nargs="+", default=GROUPS, choices=GROUPS)
     parser.add_argument("--designs", nargs="+", default=DESIGNS)
     parser.add_argument("--noises", nargs="+", default=NOISES)

@@ -66,7 +66,7 @@ class Cleaned:
     ----------
     residual : (n, 3) whitened
     scale : (3,) size of their noise
-    memory : correlation of neighboring rows
+    memory, memory_std : correlation of neighboring rows, and how well it is known
     tail : reciprocal degrees of freedom of Student's t that the readings follow
     dof : degrees of freedom behind `scale`
     outlier : (n,) rows that should not count
@@ -75,14 +75,20 @@ class Cleaned:
     residual: Array = field(repr=False)
     scale: Array
     memory: float
+    memory_std: float
     tail: float
     dof: float
     outlier: Mask
 
     @property
     def trusted_dof(self) -> float:
-        """Degrees of freedom for rare events: what heavy tails leave of them once they are drawn in."""
-        return self.dof / (1.0 + _RARE * self.tail)
+        """Degrees of freedom for rare events: what heavy tails once drawn in, and a memory half known, leave of them.
+
+        What changes slowly has noise of a variance of (1 + r)/(1 - r) where rows remember by r.
+        """
+        slow = 2.0 * (self.memory_std / (1.0 - self.memory**2)) ** 2
+        speaks = self.memory**2 / (self.memory**2 + self.memory_std**2) if self.memory > 0.0 else 0.0
+        return 1.0 / ((1.0 + _RARE * self.tail) / self.dof + slow * speaks)
 
 
 def clean(residual: Array, used: Mask, basis: Array, chain: Chain, declared: Mask) -> Cleaned:
@@ -104,7 +110,7 @@ def clean(residual: Array, used: Mask, basis: Array, chain: Chain, declared: Mas
     drawn = np.where(good, scale * u * (nu + 3.0) / (nu + u**2), 0.0)  # psi over its mean slope, (nu+1)/(nu+3)
     scale, dof = _scale(drawn, good, q, declared)
     memory = _memory(drawn / scale, good, q, chain)
-    return Cleaned(np.where(good, fit + drawn, 0.0), scale, memory, 1.0 / nu, dof, outlier)
+    return Cleaned(np.where(good, fit + drawn, 0.0), scale, *memory, 1.0 / nu, dof, outlier)
 
 
 def orthonormal(columns: Array) -> Array:
@@ -229,8 +235,8 @@ def _scale(drawn: Array, good: Mask, q: Array, declared: Mask) -> tuple[Array, f
     return np.sqrt(np.maximum(share * mean + (1.0 - share) * pooled, 1e-12)), max(float(total.sum()), 1.0)
 
 
-def _memory(unit: Array, good: Mask, q: Array, chain: Chain) -> float:
-    """Return the correlation of neighboring rows, where it can be told from none.
+def _memory(unit: Array, good: Mask, q: Array, chain: Chain) -> tuple[float, float]:
+    """Return the correlation of neighboring rows, none below 0, and its standard deviation.
 
     By moments: with M what the fit leaves of the noise and A half of one for neighbors, e'Ae / e'e is in the mean
     (tr MA + 2 r tr MAMA) / (tr M + 2 r tr MA) for a small correlation r.
@@ -239,7 +245,7 @@ def _memory(unit: Array, good: Mask, q: Array, chain: Chain) -> float:
     there = chain.before[here]
     both = good[here] & good[there]
     if int(both.sum()) < _FEWEST_PAIRS:
-        return 0.0
+        return 0.0, 0.0
     rows = q.reshape(*unit.shape, -1)
     beside = np.zeros_like(rows)
     beside[here] += 0.5 * rows[there] * both[:, :, None]
@@ -251,6 +257,6 @@ def _memory(unit: Array, good: Mask, q: Array, chain: Chain) -> float:
     ratio = float((unit[here] * unit[there] * both).sum()) / max(squares, 1e-300)
     slope = 2.0 * (second - ratio * first)
     if second <= 0.0 or slope <= 0.0:
-        return 0.0
+        return 0.0, 0.0
     found = (ratio * dof - first) / slope
-    return min(found, _LARGEST_MEMORY) if found * np.sqrt(2.0 * second) > 1.0 else 0.0
+    return float(np.clip(found, 0.0, _LARGEST_MEMORY)), float(1.0 / np.sqrt(2.0 * second))

@@ -94,8 +94,7 @@ class View:
             kept = ~cleaned.outlier
             lost, rows = rows[~kept], rows[kept]
             chain = problem.chain(rows)
-            cleaned = Cleaned(cleaned.residual[kept], cleaned.scale, cleaned.memory, cleaned.tail, cleaned.dof,
-                              cleaned.outlier[kept])  # fmt: skip
+            cleaned = replace(cleaned, residual=cleaned.residual[kept], outlier=cleaned.outlier[kept])
             return replace(draft, rows=rows, chain=chain, cleaned=cleaned, outliers=lost)
         return replace(draft, cleaned=cleaned)
 
@@ -177,7 +176,7 @@ class View:
         return out
 
     def _as_declared(self) -> Cleaned:
-        return Cleaned(self.raw, np.ones(3), 0.0, 0.0, np.inf, np.zeros(len(self.rows), dtype=bool))
+        return Cleaned(self.raw, np.ones(3), 0.0, 0.0, 0.0, np.inf, np.zeros(len(self.rows), dtype=bool))
 
     def _clean(self) -> Cleaned:
         columns, _, _ = self.nuisances
@@ -312,4 +311,4 @@ def _by_channel(columns: Array) -> Array:
     return np.asarray(np.kron(columns, np.eye(3)))
 
 
-_NOTHING = Cleaned(np.zeros((0, 3)), np.ones(3), 0.0, 0.0, 1.0, np.zeros(0, dtype=bool))
+_NOTHING = Cleaned(np.zeros((0, 3)), np.ones(3), 0.0, 0.0, 0.0, 1.0, np.zeros(0, dtype=bool))
