@@ -95,7 +95,7 @@ class Study:
         noise = problem.noise(problem.rows.at(problem.start(problem.keys)))
         view = View.at(problem, values, (), noise, known=True)
         _, cosine, apart = distances(view)
-        lost = int((~view.state.stable).sum())
+        lost = int((~problem.state((), values).stable).sum())
         return Plan(
             rows=problem.rows.n,
             sights=sights(view, self.alpha, self.seed),
@@ -171,10 +171,10 @@ def _in_words(view: View) -> str:
 
 def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagnosis:
     baseline, view, best = found.baseline, found.view, found.best
-    solver = problem.solver(best.keys)
-    after = solver.at(np.array([best.by_key()[name] for name in solver.names]))
-    weights = problem.weights(view.noise, view.state, view.state.stable)
-    before = baseline.state if found.effects else after
+    after, around = problem.state(best.keys, best.by_key()), problem.state(problem.keys_of(view.model), view.values)
+    calibrated = problem.state((), baseline.values)
+    weights = problem.weights(view.noise, around)
+    before = calibrated if found.effects else after
     opened = Opened.of(problem, before, after, weights, found.scale)
     shown_gap, far = gap(problem, opened, problem.locked, "locked rows", study.seed)
     effects, missing = claims(found), missing_columns(problem)
@@ -182,9 +182,9 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
     verdict = verdict_of(effects, outside=found.outside, gap_in_data=bool(missing) and view.cleaned.memory > 0.2)
     left = None
     if verdict in ("outside_catalogue", "data_gap"):
-        left = remainder(problem, view, opened, compliances(problem, baseline.state), problem.locked)
+        left = remainder(problem, view, opened, compliances(problem, calibrated), problem.locked)
     lost = [*((int(i), "outlier") for i in [*view.outliers, *far]),
-            *((int(i), "no stable equilibrium") for i in np.flatnonzero(~view.state.stable))]  # fmt: skip
+            *((int(i), "no stable equilibrium") for i in np.flatnonzero(~around.stable))]  # fmt: skip
     return Diagnosis(
         verdict=verdict,
         sentence=sentence(verdict, effects, shown_gap, seen, missing, left),
@@ -204,7 +204,7 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
         missing=missing,
         warnings=(*found.doubts, *nearest(found)),
         alarms=alarms(found),
-        rows=_rows(problem, opened, baseline.state, view, far),
+        rows=_rows(problem, opened, calibrated, view, far),
         seconds=time.perf_counter() - begin,
     )
 
@@ -215,14 +215,9 @@ def _transfer(study: Study, problem: Problem, found: Found) -> tuple[Gap, ...]:
     for part in study._parts(study.test):
         there = study.problem([part])
         noise = there.noise(there.rows.at(there.start(there.keys)))
-        states = []
-        for fit in (found.null, found.best):
-            solver = there.solver(fit.keys)
-            states.append(solver.at(np.array([fit.by_key()[name] for name in solver.names])))
-        every = np.ones(part.n, dtype=bool)
-        weights = there.weights(noise, states[1], every)
-        opened = Opened.of(there, states[0], states[1], weights, np.ones(3))
-        shown_gap, _ = gap(there, opened, every, part.source, study.seed)
+        before, after = (there.state(fit.keys, fit.by_key()) for fit in (found.null, found.best))
+        opened = Opened.of(there, before, after, there.weights(noise, after), np.ones(3))
+        shown_gap, _ = gap(there, opened, np.ones(part.n, dtype=bool), part.source, study.seed)
         answer += [shown_gap] if shown_gap else []
     return tuple(answer)
 

@@ -38,7 +38,7 @@ class View:
     problem : what is looked at
     model : places of the candidates that are in the model
     values : by key, of all that was fitted
-    state : poses and derivatives by `keys`, all rows
+    state : poses and derivatives by `keys`, nan in rows that are locked or without a measured pose
     keys : calibrated parameters, sizes of all candidates, further parameters of the model's
     noise, weights : what is known before the fit, and what follows from it here
     rows : places of the rows that count
@@ -71,14 +71,14 @@ class View:
     ) -> "View":
         """Look at the rows that are not locked from `values`; with `known` noise the residuals tell nothing of it."""
         more = [key for i in model for key in problem.candidates[i].keys[1:]]
-        solver = problem.solver((*(candidate.keys[0] for candidate in problem.candidates), *more))
+        solver = problem.solver((*(candidate.keys[0] for candidate in problem.candidates), *more), problem.open)
         at = problem.start(solver.names)
         at = np.array([values.get(key, float(own)) for key, own in zip(solver.names, at, strict=True)])
-        state = solver.at(at)
-        use = ~problem.locked & state.stable & problem.wanted.any(axis=1)
+        state = solver.at(at).among(problem.rows.n, problem.open)
+        use = state.stable
         if not use.any():
             raise NotConverged("no row has a stable equilibrium on this mechanism")
-        weights = problem.weights(noise, state, use)
+        weights = problem.weights(noise, state)
         rows = np.flatnonzero(use)
         smooth = smooth_columns(problem.data, use)
         draft = cls(problem, model, values, state, solver.names, noise, weights, rows, problem.chain(rows),
