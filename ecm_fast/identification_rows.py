@@ -72,11 +72,15 @@ class State:
 
     def among(self, n: int, rows: NDArray[np.int64]) -> "State":
         """Return this state of `rows` as one of n rows, the others without an equilibrium."""
-        found = [np.full_like(own, np.nan, shape=(n, *own.shape[1:])) for own in (self.pose, self.by, self.by_force)]
-        status = np.full(n, Status.NOT_CONVERGED, dtype=np.int64)
-        for whole, own in zip((*found, status), (self.pose, self.by, self.by_force, self.status), strict=True):
+
+        def spread(own: Array) -> Array:
+            whole = np.full_like(own, np.nan, shape=(n, *own.shape[1:]))
             whole[rows] = own
-        return State(self.values, *found, status)
+            return whole
+
+        status = np.full(n, Status.NOT_CONVERGED, dtype=np.int64)
+        status[rows] = self.status
+        return State(self.values, spread(self.pose), spread(self.by), spread(self.by_force), status)
 
 
 class FitRows:

@@ -34,6 +34,7 @@ def calibrate(problem: Problem) -> tuple[dict[str, float], Noise]:
         if not state.stable.any():
             raise NotConverged(f"{problem.data[0].source}: no row has a stable equilibrium on this mechanism")
         before = values
+        problem.progress.step(problem.open.size, "calibration")
         values = _fit(problem, rows, noise, state, values, (lower, upper))
         state = rows.at(values)
         if np.all(np.abs(values - before) <= _SAME * 1e-2 * np.maximum(np.abs(values), 1e-9)):

@@ -1,6 +1,7 @@
 """What a diagnosis works on: rows, what calibration may move, which rows are locked, and how readings are weighed."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,6 +18,7 @@ from .cleaning import Chain
 from .compliance import STIFFNESSES
 from .lock import lock
 from .priors import ROUGHLY, Priors
+from .progress import Progress
 
 __all__ = ["Problem", "Weights"]
 
@@ -57,9 +59,11 @@ class Problem:
         *,
         force_sigma: float | None,
         seed: int,
+        progress: Progress | None = None,
     ) -> None:
         self.mechanism, self.data, self.candidates = mechanism, tuple(data), tuple(candidates)
         self.force_sigma, self.mesh = force_sigma, _mesh(1, 5)
+        self.progress = progress or Progress()
         self.keys = (*STIFFNESSES, *(key for key in uncertain if key not in STIFFNESSES))
         self.prior = self._priors(uncertain, priors)
         self.sets = [FitSet(mechanism, part) for part in data]
@@ -103,6 +107,12 @@ class Problem:
         solver = self.solver(extra)
         own = zip(solver.names, self.start(solver.names).tolist(), strict=True)
         return solver.at(np.array([values.get(key, start) for key, start in own]))
+
+    def by(self, rows: NDArray[np.int64]) -> "Problem":
+        """Return the same with `rows`, places that rise, the only ones that a search looks at."""
+        few = copy(self)
+        few.open = rows
+        return few
 
     def chain(self, rows: NDArray[np.int64]) -> Chain:
         """Return the order of rows, places that rise."""

@@ -61,6 +61,7 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit:
     problem = view.problem
     members = [problem.candidates[i] for i in model]
     solver = problem.solver(problem.keys_of(model), view.rows)
+    problem.progress.step(len(view.rows), " and ".join(member.name for member in members) or "no effect")
     p, shifts = len(solver.names), view.weights.shift.shape[2]
     calibrated = len(problem.keys)
     prior = problem.prior.and_of(

@@ -13,9 +13,10 @@ from .refit import Fit, refit
 from .result import Gate, Model
 from .view import View
 
-__all__ = ["LIMITS", "Found", "search"]
+__all__ = ["LIMITS", "Fits", "Found", "onward", "refused", "search", "search_from"]
 
 Array = NDArray[np.float64]
+Fits = tuple[View, Fit, list[Fit]]  # the view at the best explanation, the fit without effects there, and theirs
 
 LIMITS = {1: 6.6, 2: 9.2}
 """Evidence that a model of so many effects may lack to the best one and still be told from it by nobody."""
@@ -116,13 +117,23 @@ def refused(fit: Fit, view: View) -> str:
 def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found:
     """Search for what the measurements ask for."""
     values, noise = calibrate(problem)
-    baseline = View.at(problem, values, (), noise)
+    return search_from(View.at(problem, values, (), noise), alpha, max_effects, seed)
+
+
+def search_from(baseline: View, alpha: float, max_effects: int, seed: int) -> Found:
+    """Search from the calibrated model without effects."""
     baseline, gates = _on_more_than_a_row(baseline, alpha, seed)
-    null = refit(baseline, (), values)
     if not any(gate.alarm for gate in gates) or max_effects < 1:
-        louder = _louder(baseline)
+        louder, null = _louder(baseline), refit(baseline, (), baseline.values)
         return Found(baseline, baseline, null, {}, gates, 0, bool(louder), louder)
-    view, null, fits = _singles(problem, baseline, noise, baseline, {})
+    first = _singles(baseline.problem, baseline, baseline.noise, baseline, {})
+    return onward(baseline, gates, first, alpha, max_effects, seed)
+
+
+def onward(baseline: View, gates: tuple[Gate, ...], first: Fits, alpha: float, max_effects: int, seed: int) -> Found:
+    """Go on from the single effects: one is enough, two are needed, or none will do."""
+    view, null, fits = first
+    problem, noise, values = view.problem, baseline.noise, baseline.values
     found: dict[int, list[Fit]] = {1: fits}
     own = view.gates(_LATER * alpha, seed)
     gates = (*gates, *own)

@@ -74,12 +74,12 @@ class View:
         solver = problem.solver((*(candidate.keys[0] for candidate in problem.candidates), *more), problem.open)
         at = problem.start(solver.names)
         at = np.array([values.get(key, float(own)) for key, own in zip(solver.names, at, strict=True)])
+        problem.progress.step(problem.open.size, "derivatives by all effects")
         state = solver.at(at).among(problem.rows.n, problem.open)
         use = state.stable
         if not use.any():
             raise NotConverged("no row has a stable equilibrium on this mechanism")
-        weights = problem.weights(noise, state)
-        rows = np.flatnonzero(use)
+        weights, rows = problem.weights(noise, state), np.flatnonzero(use)
         smooth = smooth_columns(problem.data, use)
         draft = cls(problem, model, values, state, solver.names, noise, weights, rows, problem.chain(rows),
                     _NOTHING, rows[:0], smooth)  # fmt: skip
