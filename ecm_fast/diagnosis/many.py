@@ -87,14 +87,10 @@ def _confirmed(
     if few.effects == 2:
         return _of_two(baseline, gates, found, (), alpha, seed)
     one = onward(baseline, gates, found, alpha, 1, seed)
-    if one.effects or max_effects < 2:
+    pairs = _pairs_of(few, found) if not one.effects and max_effects > 1 and found[2] else []
+    if not pairs:
         return one
-    pairs = _pairs_of(few, found)
-    return (
-        _of_two(baseline, one.gates, _to_all(problem, baseline, few, pairs), found[2][:1], alpha, seed)
-        if pairs
-        else one
-    )
+    return _of_two(baseline, one.gates, _to_all(problem, baseline, few, pairs), found[2][:1], alpha, seed)
 
 
 def _near(fits: Sequence[Fit], view: View, limit: float) -> list[Fit]:
