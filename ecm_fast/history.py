@@ -40,6 +40,7 @@ from .parameters import index
 __all__ = ["TARGETS", "USER_ROWS", "History", "Record", "Rows", "is_on_path", "on_path"]
 
 Array = NDArray[Any]
+Places = NDArray[np.int64] | slice
 
 TARGETS = (
     P.beam_EA, P.beam_GA, P.beam_EI, P.effects_precurvature, P.effects_force_gain, P.effects_force_gain_asymmetry,
@@ -140,41 +141,45 @@ class History:
         tendon_lengths(straight, attached, pulleys, rest)
         return cls(record, pose[:, 2], lengths, rest[0])
 
-    def apply(self, rows: Array) -> None:
-        """Write what the effects of the path make of the parameter vectors, (n, n_parameters), real or complex."""
+    def apply(self, rows: Array, only: Places = slice(None)) -> None:
+        """Write what the effects of the path make of the parameter vectors, (k, n_parameters), real or complex.
+
+        only : places of their rows in the record; default all of them
+        """
         record, par = self.record, rows[0].copy()
         n = len(record.hours)
         angle, time = par[P.effects_bending_hysteresis_angle], par[P.effects_fading_memory_time]
         travel, slider, gap = np.empty((n, 2)), np.empty(n, rows.dtype), np.empty(n, rows.dtype)
         follow(record.begins, record.repeats, record.held, self.theta, self.lengths, self.rest,
                angle, time, travel, slider, gap)  # fmt: skip
-        soften = 1.0 - par[P.effects_mullins_softening] * record.peak
-        factor = soften * (1.0 + par[P.effects_stiffness_drift] * record.hours)
-        factor /= 1.0 + par[P.effects_creep] * np.log10(1.0 + record.held)
+        seen = Rows(record.data, record.hours, record.held, record.peak, travel, self.theta)
+        hours, travel, slider, gap = record.hours[only], travel[only], slider[only], gap[only]
+        soften = 1.0 - par[P.effects_mullins_softening] * record.peak[only]
+        factor = soften * (1.0 + par[P.effects_stiffness_drift] * hours)
+        factor /= 1.0 + par[P.effects_creep] * np.log10(1.0 + record.held[only])
         length = par[P.beam_length] + par[P.effects_beam_length]
         bent = par[P.effects_bending_hysteresis_couple] * slider / par[P.beam_EI]
         rows[:, P.effects_precurvature] -= bent + par[P.effects_fading_memory_share] * gap / length
         for place in (P.beam_EA, P.beam_GA, P.beam_EI):
             rows[:, place] *= factor
-        _forces(rows, par, record, travel)
-        rows[:, P.effects_camera_x_offset] += par[P.effects_camera_drift_x] * record.hours
-        rows[:, P.effects_camera_z_offset] += par[P.effects_camera_drift_z] * record.hours
-        seen = Rows(record.data, record.hours, record.held, record.peak, travel, self.theta)
+        _forces(rows, par, hours, travel)
+        rows[:, P.effects_camera_x_offset] += par[P.effects_camera_drift_x] * hours
+        rows[:, P.effects_camera_z_offset] += par[P.effects_camera_drift_z] * hours
         for name, law in USER_ROWS.items():
             values = [par[index(entry.key)] for entry in CATALOGUE[name]]
             for key, change in law(*values, seen).items():
-                rows[:, index(key)] += change
+                rows[:, index(key)] += np.broadcast_to(change, n)[only]
 
 
-def _forces(rows: Array, par: Array, record: Record, travel: Array) -> None:
+def _forces(rows: Array, par: Array, hours: Array, travel: Array) -> None:
     """Friction and drift of both force cells."""
     gain, uneven = 1.0 + par[P.effects_force_gain], 0.5 * par[P.effects_force_gain_asymmetry]
     grip = par[P.effects_tendon_capstan_friction_coefficient] * par[P.effects_tendon_capstan_friction_wrap]
     left, right = (gain + uneven) * np.exp(-grip * travel[:, 0]), (gain - uneven) * np.exp(-grip * travel[:, 1])
     rows[:, P.effects_force_gain], rows[:, P.effects_force_gain_asymmetry] = 0.5 * (left + right) - 1.0, left - right
     drag, drift = par[P.effects_tendon_coulomb_friction], par[P.effects_force_zero_drift]
-    rows[:, P.effects_force_zero] += drift * record.hours - 0.5 * drag * (travel[:, 0] + travel[:, 1])
-    apart = par[P.effects_force_zero_drift_asymmetry] * record.hours - drag * (travel[:, 0] - travel[:, 1])
+    rows[:, P.effects_force_zero] += drift * hours - 0.5 * drag * (travel[:, 0] + travel[:, 1])
+    apart = par[P.effects_force_zero_drift_asymmetry] * hours - drag * (travel[:, 0] - travel[:, 1])
     rows[:, P.effects_force_zero_asymmetry] += apart
 
 

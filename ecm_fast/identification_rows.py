@@ -70,15 +70,38 @@ class State:
         """Which rows have a stable equilibrium, (n,)."""
         return np.equal(self.status, Status.CONVERGED)
 
+    def among(self, n: int, rows: NDArray[np.int64]) -> "State":
+        """Return this state of `rows` as one of n rows, the others without an equilibrium."""
+
+        def spread(own: Array) -> Array:
+            whole = np.full_like(own, np.nan, shape=(n, *own.shape[1:]))
+            whole[rows] = own
+            return whole
+
+        status = np.full(n, Status.NOT_CONVERGED, dtype=np.int64)
+        status[rows] = self.status
+        return State(self.values, spread(self.pose), spread(self.by), spread(self.by_force), status)
+
 
 class FitRows:
-    """The rows of all experiments, one below the other, as functions of the parameters that they share."""
+    """The rows of all experiments, one below the other, as functions of the parameters that they share.
 
-    def __init__(self, sets: Sequence[FitSet], names: Sequence[str], mesh: Discretization) -> None:
+    A state is that of `only` these rows, (k,) places that rise, default all; the order of loads is that of all.
+    """
+
+    def __init__(
+        self,
+        sets: Sequence[FitSet],
+        names: Sequence[str],
+        mesh: Discretization,
+        only: NDArray[np.int64] | None = None,
+    ) -> None:
         self.sets, self.names, self.mesh = tuple(sets), tuple(names), mesh
         self.places = [index(name) for name in names]
         self._bases = [pack(entry.mechanism) for entry in sets]
-        self._chains = [MeasuringChain(mesh, entry.data) for entry in sets]
+        self._chains = [
+            MeasuringChain(mesh, entry.data, own) for entry, own in zip(sets, _shares(sets, only), strict=True)
+        ]
         self._memory: list[State] = []
         self.solves = 0
         self.measured = self.joined("pose")
@@ -122,7 +145,7 @@ class FitRows:
             par = base.copy()
             par[self.places] = values
             parts.append(chain.sensitivities(self.names, par, _LAST_STEP))
-        self.solves += self.n
+        self.solves += sum(chain.n for chain in self._chains)
         found = [
             np.concatenate([getattr(part, name) for part in parts]) if len(parts) > 1 else getattr(parts[0], name)
             for name in ("pose", "by_parameter", "jacobian", "status")
@@ -241,6 +264,15 @@ class Noise:
         else:
             out[:, range(3), range(3)] = 1.0 / diagonal
         return out * used[:, None, :]
+
+
+def _shares(sets: Sequence[FitSet], only: NDArray[np.int64] | None) -> list[NDArray[np.int64] | None]:
+    """Return the share that each of the experiments has in places among the rows of all."""
+    if only is None:
+        return [None] * len(sets)
+    ends = np.cumsum([entry.data.n for entry in sets])
+    return [part - (end - entry.data.n) for part, end, entry in
+            zip(np.split(only, np.searchsorted(only, ends[:-1])), ends, sets, strict=True)]  # fmt: skip
 
 
 def _pooled(values: Array, group: NDArray[np.int64]) -> tuple[int, float]:

@@ -69,28 +69,35 @@ class MeasuringChain:
     ----------
     mesh : the discretization
     data : loads, and what was changed on the test bed; their poses are not looked at
+    only : (k,) places of the rows that are read, which rise; what they inherit comes from all rows all the same
     """
 
-    def __init__(self, mesh: Discretization, data: Measurements) -> None:
+    def __init__(self, mesh: Discretization, data: Measurements, only: NDArray[np.int64] | None = None) -> None:
         self.mesh, self.data = mesh, data
         self.record = Record.of(data)
-        self._loads = data.lam, data.wrench
+        self._only = slice(None) if only is None else only
+        self._all_loads = data.lam, data.wrench
+        self._loads = data.lam[self._only], data.wrench[self._only]
+        self._followed: tuple[Array, History] | None = None
+
+    @property
+    def n(self) -> int:
+        """How many rows are read."""
+        return len(self._loads[0])
 
     def rows(self, par: Array) -> Array:
         """Return the parameter vectors of the rows, (1 or n, n_parameters), from the mechanism's (n_parameters,)."""
         own = row_parameters(par, self.data)
-        rows = par[None].copy() if own is None else own
-        if not is_on_path(par):
+        if is_on_path(par):
+            rows = self._each(par, own)
+            self._history(par, own).apply(rows, self._only)
             return rows
-        history = self._history(par, rows)
-        rows = rows if own is not None else np.tile(par, (self.data.n, 1))
-        history.apply(rows)
-        return rows
+        return par[None].copy() if own is None else own[self._only]
 
     def solve(self, par: Array, last2: float, threads: int = 1) -> tuple[Array, NDArray[np.int64], Array]:
         """Return readings (n, 3) [m, m, rad], nan where there is no equilibrium, status and load factor, (n,) each."""
         rows = self.rows(par)
-        result = self._solve(rows, last2, threads)
+        result = self._solve(rows, self._loads, last2, threads)
         pose = result.pose
         if rows[:, _CAMERA].any():
             read(rows, pose)
@@ -103,7 +110,7 @@ class MeasuringChain:
         ------
         InputError : as `row_parameters` does.
         """
-        m, n = len(par), self.data.n
+        m, n = len(par), self.n
         rows = np.concatenate([np.broadcast_to(self.rows(own), (n, par.shape[1])) for own in par])
         lam, wrench = (np.tile(loads, (m, 1)) for loads in self._loads)
         result = solve_cases(self.mesh, None, rows, lam, wrench, last2, 1)
@@ -134,29 +141,36 @@ class MeasuringChain:
             found = replace(found, by_parameter=np.stack(columns, axis=-1))
         return replace(found, names=tuple(names))
 
-    def _history(self, par: Array, rows: Array) -> History:
-        """Follow the same mechanism without effects of the path along the record."""
-        return History.of(self.record, rows, self._solve(rows, _WITHOUT_MEMORY).pose)
+    def _each(self, par: Array, own: Array | None) -> Array:
+        """Return a vector for each row that is read, (n, n_parameters); `own`, where there are any, are of all rows."""
+        return np.tile(par, (self.n, 1)) if own is None else own[self._only].copy()
 
-    def _solve(self, rows: Array, last2: float, threads: int = 1) -> BatchResult:
-        """Solve the rows' equilibria."""
+    def _history(self, par: Array, own: Array | None) -> History:
+        """Follow the same mechanism without effects of the path along the record; the last one is remembered."""
+        if self._followed is None or not np.array_equal(self._followed[0], par):
+            rows = par[None] if own is None else own
+            pose = self._solve(rows, self._all_loads, _WITHOUT_MEMORY).pose
+            self._followed = par.copy(), History.of(self.record, rows, pose)
+        return self._followed[1]
+
+    def _solve(self, rows: Array, loads: tuple[Array, Array], last2: float, threads: int = 1) -> BatchResult:
+        """Solve the equilibria of rows under loads."""
         fast = None
         if len(rows) == 1:
             stations, tip, q_rest, _, _ = work_arrays(self.mesh)
             prepare(rows[0], self.mesh.mesh, self.mesh.nodes, stations, tip, q_rest)
             fast = fast_path(self.mesh, stations, tip, q_rest)
-        return solve_cases(self.mesh, fast, rows, *self._loads, last2, threads)
+        return solve_cases(self.mesh, fast, rows, *loads, last2, threads)
 
     def _changes(self, par: Array, keys: Sequence[str]) -> dict[str, dict[int, Array]]:
         """Return how the rows' entries depend on the mechanism's: for each key the places and their slopes, (n,)."""
         own = row_parameters(par, self.data)
-        history = self._history(par, par[None] if own is None else own)
-        base = np.tile(par, (self.data.n, 1)) if own is None else own
+        history, base = self._history(par, own), self._each(par, own)
         changes = {}
         for key in keys:
             rows: Complex = base.astype(complex)
             rows[:, index(key)] += 1j * _STEP
-            history.apply(rows)
+            history.apply(rows, self._only)
             if key in on_path():  # it acts through other entries alone
                 rows[:, index(key)] = base[:, index(key)]
             changes[key] = {int(i): rows[:, i].imag / _STEP for i in np.flatnonzero(rows.imag.any(axis=0))}
@@ -164,7 +178,7 @@ class MeasuringChain:
 
     def _inherited(self, own: dict[str, Array], change: dict[int, Array]) -> Array:
         """Return the readings' derivative by a parameter that acts through other entries, (n, 3)."""
-        total = np.zeros((self.data.n, 3))
+        total = np.zeros((self.n, 3))
         for place, slope in change.items():
             total += own[PARAMETERS[place].key] * slope[:, None]
         return total

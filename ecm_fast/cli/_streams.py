@@ -1,10 +1,14 @@
 """Writing to stdout and stderr."""
 
 import os
+import shutil
 import sys
+import time
 from typing import TextIO
 
-__all__ = ["note", "write"]
+__all__ = ["Waiting", "note", "write"]
+
+_PATIENCE = 1.0  # seconds that nobody needs to be told about
 
 
 def write(stream: TextIO | None, text: str) -> None:
@@ -26,3 +30,24 @@ def write(stream: TextIO | None, text: str) -> None:
 def note(text: str) -> None:
     """Write one line to stderr, whatever line breaks a file's name in it may hold."""
     write(sys.stderr, f"ecm-fast: {' '.join(text.splitlines())}\n")
+
+
+class Waiting:
+    """One line on a terminal's stderr that says what is being done, when it takes its time; silent elsewhere."""
+
+    def __init__(self) -> None:
+        self._seen = sys.stderr is not None and sys.stderr.isatty()
+        self._begin, self._width = time.monotonic(), 0
+
+    def __call__(self, text: str) -> None:
+        """Show `text` in place of the one before."""
+        if self._seen and time.monotonic() - self._begin >= _PATIENCE:
+            text = text[: shutil.get_terminal_size().columns - 1]
+            write(sys.stderr, f"\r{text:<{self._width}}")
+            self._width = len(text)
+
+    def end(self) -> None:
+        """Leave the line empty."""
+        if self._width:
+            write(sys.stderr, f"\r{'':<{self._width}}\r")
+            self._width = 0

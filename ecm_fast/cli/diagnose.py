@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InputError
 from ._answer import DONE, Answer, Command, folder, saved
 from ._arguments import finite_number, mechanism
+from ._streams import Waiting
 
 if TYPE_CHECKING:
     from ..diagnosis import Diagnosis, Plan
@@ -85,16 +86,26 @@ def _uncertain(given: list[str]) -> dict[str, float | None]:
 
 
 def _diagnose(args: argparse.Namespace) -> Answer:
+    waiting = Waiting()
+    try:
+        return _diagnosed(args, waiting)
+    finally:
+        waiting.end()
+
+
+def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
     from ..data import read_measurements
     from ..diagnosis import diagnose
     from ..diagnosis.checks import check
 
     neck, common = mechanism(args), _common(args)
     noticed = [text for data in common["data"] for text in check(neck, data).warnings]
-    found = diagnose(neck, **common, test=[read_measurements(path) for path in args.test])
+    found = diagnose(neck, **common, test=[read_measurements(path) for path in args.test], progress=waiting)
     path = folder(args.out or "out") / "mechanism.toml"
     found.mechanism.to_toml(path)
+    waiting("what to measure next")
     further = _next(neck, found, common)
+    waiting("report")
     page = _page(args, neck, found, common, further, noticed)
     answer = {
         **found.to_json_dict(),

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import NotConverged
-from ..identification_rows import Noise, State
+from ..identification_rows import FitRows, Noise, State
 from ..least_squares import Loss, minimize
 from .compliance import Scales
 from .problem import Problem
@@ -25,17 +25,17 @@ def calibrate(problem: Problem) -> tuple[dict[str, float], Noise]:
     ------
     NotConverged : the mechanism has no stable equilibrium under any of the loads.
     """
-    rows = problem.rows
+    rows = problem.solver((), problem.open)
     lower, upper = rows.bounds()
     values = np.clip(problem.start(problem.keys), lower, upper)
+    noise = problem.noise(problem.rows.at(values))
     state = rows.at(values)
-    noise = problem.noise(state)
     for _ in range(_ROUNDS):
-        use = ~problem.locked & state.stable & problem.wanted.any(axis=1)
-        if not use.any():
+        if not state.stable.any():
             raise NotConverged(f"{problem.data[0].source}: no row has a stable equilibrium on this mechanism")
         before = values
-        values = _fit(problem, noise, state, use, values, (lower, upper))
+        problem.progress.step(problem.open.size, "calibration")
+        values = _fit(problem, rows, noise, state, values, (lower, upper))
         state = rows.at(values)
         if np.all(np.abs(values - before) <= _SAME * 1e-2 * np.maximum(np.abs(values), 1e-9)):
             break
@@ -43,22 +43,17 @@ def calibrate(problem: Problem) -> tuple[dict[str, float], Noise]:
 
 
 def _fit(
-    problem: Problem,
-    noise: Noise,
-    state: State,
-    use: NDArray[np.bool_],
-    start: Array,
-    bounds: tuple[Array, Array],
+    problem: Problem, rows: FitRows, noise: Noise, state: State, start: Array, bounds: tuple[Array, Array]
 ) -> Array:
-    weights = problem.weights(noise, state, use)
-    used = (problem.wanted & use[:, None])[use]
-    whitening, measured = weights.whitening[use], problem.rows.measured[use]
+    use, places = state.stable, problem.open[state.stable]
+    weights = problem.weights(noise, state.among(problem.rows.n, problem.open))
+    used, whitening, measured = problem.wanted[places], weights.whitening[places], problem.rows.measured[places]
 
     scales = Scales.of(problem.keys, problem.start(problem.keys))
 
     def residuals(moved: Array) -> tuple[Array, Array] | None:
         values, slope = scales.values(moved), scales.slope(moved)
-        there = problem.rows.at(values)
+        there = rows.at(values)
         if not there.stable[use].all():
             return None
         off = np.where(used, measured - there.pose[use], 0.0)

@@ -14,6 +14,7 @@ from ..mechanism import Mechanism
 from ..prediction import predict
 from .finding import Finding, places
 from .labels import label_findings
+from .many import ENOUGH
 from .pairs import load_table, smooth
 
 __all__ = ["Checks", "Finding", "check", "findings", "thinned"]
@@ -178,8 +179,8 @@ def _rows(data: Measurements) -> list[Finding]:
         sentence += f"{max(readings - 4, 0)} to check them by"
         return [Finding("few rows", (), sentence, f"{_FEW_ROWS} rows or more carry names")]
     if count > _MANY_ROWS:
-        return [Finding("many rows", (), f"{count} rows", f"{_MANY_ROWS} of them, evenly over the order of "
-                        "measurement, say as much about what is alike in all")]  # fmt: skip
+        return [Finding("many rows", (), f"{count} rows", f"the search goes by {ENOUGH} of them, as many of each "
+                        "region of loads as there are; what it finds is fitted to all and judged by all")]  # fmt: skip
     return []
 
 

@@ -17,6 +17,8 @@ Mask = NDArray[np.bool_]
 _TAILS = (3.0, 5.0, 10.0, 40.0)
 """Degrees of freedom of Student's t; the last one leaves Gaussian noise all but as it is."""
 _OUTLIER = 6.0
+_ONE_BY_ONE, _SHARE = 2000, 400
+"""Rows up to which outliers are taken away one by one; of more rows, one in so many at a time."""
 _RARE = 8.0
 _MOST = 0.1  # largest share of the rows that may be outliers
 _ROUNDS = 10
@@ -129,19 +131,21 @@ def _without_outliers(residual: Array, used: Mask, q: Array) -> tuple[Mask, Arra
     """Return which readings are left, (n, 3), and their basis, when rows far out are taken away one by one.
 
     A row is judged by what its removal takes off the sum of squares: a row that alone speaks for something would
-    otherwise draw the fit to itself and hide.
+    otherwise draw the fit to itself and hide. Of very many rows a few at a time are taken, none of which moves the fit.
     """
-    good = used.copy()
-    for _ in range(int(_MOST * len(residual))):
+    good, left = used.copy(), int(_MOST * len(residual))
+    together = len(residual) // _SHARE if len(residual) > _ONE_BY_ONE else 1
+    while left > 0:
         flat = np.where(good, residual, 0.0).ravel()
         lost = q.shape[1] / max(int(good.sum()), 1)
         off = np.where(good, (flat - q @ (q.T @ flat)).reshape(-1, 3), 0.0)
         scale = _spread(off / np.sqrt(max(1.0 - lost, 0.1)), good)
         gain = removal(off, q, scale)
-        worst = int(np.argmax(gain))
-        if gain[worst] < _OUTLIER**2:
+        worst = np.argsort(-gain)[: min(together, left)] if together > 1 else np.argmax(gain, keepdims=True)
+        worst = worst[gain[worst] >= _OUTLIER**2]
+        if not worst.size:
             break
-        good[worst] = False
+        good[worst], left = False, left - worst.size
         q = orthonormal(q * good.reshape(-1, 1))
     return good, q
 

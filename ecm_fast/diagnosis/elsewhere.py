@@ -34,7 +34,7 @@ def elsewhere(view: View) -> tuple[tuple[str, ...], Array]:
     at = [view.values.get(key, float(own)) for key, own in
           zip(solver.names, there.start(solver.names), strict=True)]  # fmt: skip
     state = solver.at(np.array(at))
-    weights = there.weights(there.noise(state), state, state.stable)
+    weights = there.weights(there.noise(state), state)
     by = np.where(state.stable[:, None, None], np.nan_to_num(weights.whitening @ state.by), 0.0)
     calibrated, free, readings = len(problem.keys), view.free.shape[1], 3 * len(view.rows)
     spread = np.array([candidate.spread[0] for candidate in problem.candidates])

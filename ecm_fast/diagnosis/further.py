@@ -21,7 +21,7 @@ def starts(view: View) -> dict[str, float]:
     if not places:
         return {}
     chosen = [problem.candidates[i] for i in places]
-    solver = problem.solver([key for candidate in chosen for key in candidate.keys[:2]])
+    solver = problem.solver([key for candidate in chosen for key in candidate.keys[:2]], view.rows)
     column = {key: n for n, key in enumerate(solver.names)}
     at = np.array([view.values.get(key, float(own)) for key, own in
                    zip(solver.names, problem.start(solver.names), strict=True)])  # fmt: skip
@@ -29,7 +29,7 @@ def starts(view: View) -> dict[str, float]:
     for step in _STEPS:
         tried = [float(np.clip(c.start[1] + step * c.spread[1], c.lower[1], c.upper[1])) for c in chosen]
         at[[column[c.keys[1]] for c in chosen]] = tried
-        by = solver.at(at).by[view.rows][:, :, [column[c.keys[0]] for c in chosen]]
+        by = solver.at(at).by[:, :, [column[c.keys[0]] for c in chosen]]
         signatures = view.flat(view.whitening @ by * np.array([c.spread[0] for c in chosen]))
         evidence, _ = _gram(view, signatures, places).singles()
         for n in np.flatnonzero(evidence > best):

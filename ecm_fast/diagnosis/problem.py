@@ -1,13 +1,13 @@
 """What a diagnosis works on: rows, what calibration may move, which rows are locked, and how readings are weighed."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Measurements
-from ..discretization import Discretization
 from ..errors import InputError
 from ..identification import _mesh
 from ..identification_rows import FitRows, FitSet, Noise, State
@@ -18,6 +18,7 @@ from .cleaning import Chain
 from .compliance import STIFFNESSES
 from .lock import lock
 from .priors import ROUGHLY, Priors
+from .progress import Progress
 
 __all__ = ["Problem", "Weights"]
 
@@ -58,9 +59,11 @@ class Problem:
         *,
         force_sigma: float | None,
         seed: int,
+        progress: Progress | None = None,
     ) -> None:
         self.mechanism, self.data, self.candidates = mechanism, tuple(data), tuple(candidates)
         self.force_sigma, self.mesh = force_sigma, _mesh(1, 5)
+        self.progress = progress or Progress()
         self.keys = (*STIFFNESSES, *(key for key in uncertain if key not in STIFFNESSES))
         self.prior = self._priors(uncertain, priors)
         self.sets = [FitSet(mechanism, part) for part in data]
@@ -71,6 +74,7 @@ class Problem:
             raise InputError(f"{data[0].source}: {int(self.wanted.any(axis=1).sum())} rows with a measured pose; "
                              f"a diagnosis takes at least {_FEWEST}")  # fmt: skip
         self.locked = lock(data, seed)
+        self.open = np.flatnonzero(~self.locked & self.wanted.any(axis=1))
         session = np.concatenate([part.session for part in data])
         self.run = np.unique(np.rec.fromarrays([self.rows.member, session]), return_inverse=True)[1]
 
@@ -89,10 +93,26 @@ class Problem:
         columns = [np.array(column) for column in zip(*table, strict=True)]
         return Priors(*columns)
 
-    def solver(self, extra: Sequence[str], mesh: Discretization | None = None) -> FitRows:
-        """Return the rows as functions of what calibration moves and of `extra` parameters."""
+    def solver(self, extra: Sequence[str], rows: NDArray[np.int64] | None = None) -> FitRows:
+        """Return rows, default all, as functions of what calibration moves and of `extra` parameters."""
         own = [key for key in extra if key not in self.keys]
-        return FitRows(self.sets, (*self.keys, *own), mesh or self.mesh)
+        return FitRows(self.sets, (*self.keys, *own), self.mesh, rows)
+
+    def keys_of(self, model: Sequence[int]) -> list[str]:
+        """Return the keys of all parameters of the candidates at these places."""
+        return [key for i in model for key in self.candidates[i].keys]
+
+    def state(self, extra: Sequence[str], values: Mapping[str, float]) -> State:
+        """Return all rows at values by key; what is not among them is as in the mechanism."""
+        solver = self.solver(extra)
+        own = zip(solver.names, self.start(solver.names).tolist(), strict=True)
+        return solver.at(np.array([values.get(key, start) for key, start in own]))
+
+    def by(self, rows: NDArray[np.int64]) -> "Problem":
+        """Return the same with `rows`, places that rise, the only ones that a search looks at."""
+        few = copy(self)
+        few.open = rows
+        return few
 
     def chain(self, rows: NDArray[np.int64]) -> Chain:
         """Return the order of rows, places that rise."""
@@ -106,9 +126,9 @@ class Problem:
         """Return what is known of the noise before anything is fitted."""
         return Noise.of(self.rows, state, self.force_sigma)
 
-    def weights(self, noise: Noise, state: State, use: Mask) -> Weights:
-        """Return how the readings of the rows `use` count around a state, the force cells' noise carried through."""
-        used = self.wanted & use[:, None] & state.stable[:, None]
+    def weights(self, noise: Noise, state: State) -> Weights:
+        """Return how the readings of its stable rows count around a state, the force cells' noise carried through."""
+        used = self.wanted & state.stable[:, None]
         sigma = noise.filled(self.rows, state, used, robust=True)
         whitening = noise.whitening(np.where(np.isfinite(sigma), sigma, 1.0), state, used)
         by_force = np.where(used[:, :, None], np.nan_to_num(state.by_force), 0.0)

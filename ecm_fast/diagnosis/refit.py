@@ -60,7 +60,8 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit:
     """
     problem = view.problem
     members = [problem.candidates[i] for i in model]
-    solver = problem.solver([key for member in members for key in member.keys])
+    solver = problem.solver(problem.keys_of(model), view.rows)
+    problem.progress.step(len(view.rows), " and ".join(member.name for member in members) or "no effect")
     p, shifts = len(solver.names), view.weights.shift.shape[2]
     calibrated = len(problem.keys)
     prior = problem.prior.and_of(
@@ -76,7 +77,7 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit:
         first[calibrated:], prior.center[calibrated:] - reach, prior.center[calibrated:] + reach
     )
     shift = view.flat(view.weights.shift[view.rows])
-    rows, whitening, here = view.rows, view.whitening, view.state.pose[view.rows]
+    whitening, here = view.whitening, view.state.pose[view.rows]
 
     scales, tried = Scales.of(solver.names, problem.start(solver.names)), 0
     least = np.inf
@@ -86,11 +87,11 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit:
         tried += 1
         values, slope = scales.values(all_moved[:p]), scales.slope(all_moved[:p])
         state = solver.at(values) if tried <= (_MOST if least < limit else _FEW) else None
-        if state is None or not state.stable[rows].all():
+        if state is None or not state.stable.all():
             return None
-        moved = (whitening @ (here - state.pose[rows])[:, :, None])[:, :, 0]
+        moved = (whitening @ (here - state.pose)[:, :, None])[:, :, 0]
         off = view.flat(view.cleaned.residual + moved) - shift @ all_moved[p:]
-        by = -np.hstack([view.flat(whitening @ state.by[rows]), shift])
+        by = -np.hstack([view.flat(whitening @ np.ascontiguousarray(state.by)), shift])
         own, by_own = prior.rows(values)
         least = min(least, float(off @ off))
         by = np.vstack([by, np.pad(by_own, ((0, 0), (0, shifts))), by_shift])

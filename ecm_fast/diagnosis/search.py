@@ -6,17 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..identification_rows import DECLARED, Noise
+from ..identification_rows import Noise
 from . import further
+from .astray import louder_than_declared, on_more_than_a_row
 from .calibration import calibrate
 from .problem import Problem
 from .refit import Fit, refit
 from .result import Gate, Model
 from .view import View
 
-__all__ = ["LIMITS", "Found", "search"]
+__all__ = ["LIMITS", "Fits", "Found", "onward", "refused", "search", "search_from"]
 
 Array = NDArray[np.float64]
+Fits = tuple[View, Fit, list[Fit]]  # the view at the best explanation, the fit without effects there, and theirs
 
 LIMITS = {1: 5.0, 2: 9.2}
 """Evidence that a model of so many effects may lack to the best one and still be told from it by nobody."""
@@ -26,20 +28,11 @@ _LEFT, _SINGLES, _PAIRS = 30.0, 12, 30
 _ROUGH = 0.3
 """Share of the best evidence by which the linear ranking may be wrong."""
 _PASSES = 3
-_ALONE, _FAR_OUT = 3, 25.0
-"""How many rows an alarm may rest on and still be theirs, and what each one must take off the sum of squares."""
-_SLIPS, _BY_CHANCE = 0.01, 1e-3
-"""Share of rows whose readings slip, and the chance below which there are more than that."""
-_ASTRAY = 3.0 * np.log1p(10.0**2) - 2.0 * np.log(_SLIPS)
-"""Evidence that a row must bring to count as one that is off by some ten sigma in every channel."""
 _WORTH = 9.2
 """Evidence that a second name must add."""
 _LATER = 0.1
 """Share of the chance of a false alarm that tests for a second and third name may use."""
 _SPEAKS = 2.0
-_LOUD = 4.5
-"""Noise seen over noise declared, less 1, times the root of the readings: six standard deviations of white noise. In
-360 clean sets of 81 rows, white and not, 0.3 was the most, where 0.5 alarms."""
 _HOPELESS = 100.0
 _AGAIN, _GAIN = 3, 0.5
 
@@ -121,14 +114,29 @@ def refused(fit: Fit, view: View) -> str:
 def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found:
     """Search for what the measurements ask for."""
     values, noise = calibrate(problem)
-    baseline = View.at(problem, values, (), noise)
-    baseline, gates = _on_more_than_a_row(baseline, alpha, seed)
-    null = refit(baseline, (), values)
+    return search_from(View.at(problem, values, (), noise), alpha, max_effects, seed)
+
+
+def search_from(baseline: View, alpha: float, max_effects: int, seed: int) -> Found:
+    """Search from the calibrated model without effects."""
+    baseline, gates = on_more_than_a_row(baseline, alpha, seed)
     if not any(gate.alarm for gate in gates) or max_effects < 1:
-        louder = _louder(baseline)
+        louder, null = louder_than_declared(baseline), refit(baseline, (), baseline.values)
         return Found(baseline, baseline, null, {}, gates, 0, bool(louder), louder)
-    first = _looked_at(problem, baseline, further.starts(baseline), noise)
-    view, null, fits = _singles(problem, first, noise, first, {})
+    start = _looked_at(baseline, further.starts(baseline))
+    first = _singles(start.problem, start, start.noise, start, {})
+    return onward(baseline, start, gates, first, alpha, max_effects, seed)
+
+
+def onward(
+    baseline: View, start: View, gates: tuple[Gate, ...], first: Fits, alpha: float, max_effects: int, seed: int
+) -> Found:
+    """Go on from the single effects: one is enough, two are needed, or none will do.
+
+    The search began at `start`, the baseline with further parameters of effects where they begin.
+    """
+    view, null, fits = first
+    problem, noise, values = view.problem, baseline.noise, baseline.values
     found: dict[int, list[Fit]] = {1: fits}
     own = view.gates(_LATER * alpha, seed)
     gates = (*gates, *own)
@@ -136,7 +144,7 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     if admissible and not any(gate.alarm for gate in own):
         return Found(baseline, view, null, found, gates, 1, False, ())
     if max_effects >= 2:
-        both, null2, pairs = _pairs(problem, first, view, noise, fits)
+        both, null2, pairs = _pairs(problem, start, view, noise, fits)
         found[2] = pairs
         alone = _alone(both, pairs)
         single = max((fit.evidence for fit in alone), default=null2.evidence)
@@ -147,7 +155,7 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
                 return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), both)
             return Found(baseline, both, null2, found, gates, 2, False, ())
         if alone and alone[0].evidence - null2.evidence > _SPEAKS and alone[0].model != fits[0].model:
-            view, null, fits = _singles(problem, first, noise, both, {fit.model: fit for fit in (*fits, *alone)})
+            view, null, fits = _singles(problem, start, noise, both, {fit.model: fit for fit in (*fits, *alone)})
             found, own, admissible = {1: fits}, view.gates(_LATER * alpha, seed), _admissible(fits, null, view)
             gates = (*gates, *own)
             if admissible and not any(gate.alarm for gate in own):
@@ -159,46 +167,9 @@ def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found
     return Found(baseline, view, null, found, gates, 1, False, (doubt,))
 
 
-def _looked_at(problem: Problem, baseline: View, begin: dict[str, float], noise: Noise) -> View:
+def _looked_at(baseline: View, begin: dict[str, float]) -> View:
     """Return the baseline with further parameters of effects where they begin."""
-    return View.at(problem, {**baseline.values, **begin}, (), noise) if begin else baseline
-
-
-def _louder(view: View) -> tuple[str, ...]:
-    """Return lines where what looks like noise is far more than the measurements declare, or has too many outliers."""
-    from scipy.stats import binom
-
-    lines, lost = list[str](), len(view.outliers)
-    count = ((view.noise.origin[view.rows] == DECLARED) & view.used).sum(axis=0)
-    scale = np.where(count > 0, view.cleaned.scale, 0.0)
-    if (scale > 1.0 + _LOUD / np.sqrt(np.maximum(count, 1))).any():
-        lines.append(f"what is left scatters {scale.max():.2g} times as much as the noise that is declared: either "
-                     "that is wrong, or something is missing that looks like no effect of the catalogue")  # fmt: skip
-    if binom.sf(lost - 1, lost + len(view.rows), _SLIPS) < _BY_CHANCE:
-        lines.append(f"{lost} of {lost + len(view.rows)} rows are far from all that effects and smooth functions "
-                     "say: readings slip often, or something is missing that acts there alone")  # fmt: skip
-    return tuple(lines)
-
-
-def _on_more_than_a_row(view: View, alpha: float, seed: int) -> tuple[View, tuple[Gate, ...]]:
-    """Return the tests of a view without rows on each of which an alarm rests alone: they are outliers.
-
-    Unless one effect makes them all at once: a stop touches few rows, and these as no accident would.
-    """
-    first = view.gates(alpha, seed)
-    for most, smooth in ((_ALONE, True), (1, False)):
-        gates, reduced, dropped = first, view, 0
-        while any(gate.alarm for gate in gates) and dropped < most:
-            row, gain = reduced.worst(smooth=smooth)
-            if gain < _FAR_OUT:
-                break
-            reduced, dropped = reduced.without(row), dropped + 1
-            gates = reduced.gates(alpha, seed)
-        if not any(gate.alarm for gate in gates):
-            astray = view.gram.left - reduced.gram.left - _ASTRAY * dropped
-            named = dropped and float(view.gram.singles()[0].max(initial=0.0)) > astray
-            return (view, first) if named else (reduced, gates)
-    return view, first
+    return View.at(baseline.problem, {**baseline.values, **begin}, (), baseline.noise) if begin else baseline
 
 
 def _admissible(fits: list[Fit], null: Fit, view: View) -> bool:

@@ -1,7 +1,7 @@
 """A study: a mechanism, its measurements and what is known about both; what it can tell, and what is missing."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,11 +15,13 @@ from .alarms import alarms
 from .candidates import chosen, uncertain_parameters
 from .claims import claims, estimates
 from .gap import Opened, gap
+from .many import search_all
 from .plan_result import Plan
 from .problem import Problem
+from .progress import Progress
 from .remainder import remainder
 from .result import Diagnosis, Gap, Noise, Rows
-from .search import Found, search
+from .search import Found
 from .sights import distances, sights
 from .view import View
 from .where import compliances, where, wrenches
@@ -50,6 +52,7 @@ class Study:
     alpha : chance of a false alarm on clean data
     max_effects : most effects that an answer may name
     seed : of the lock and of all draws
+    progress : called with one line of text before every step of a diagnosis
     """
 
     mechanism: Mechanism
@@ -62,6 +65,7 @@ class Study:
     alpha: float = 0.01
     max_effects: int = 2
     seed: int = 0
+    progress: Callable[[str], None] | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.alpha < 1.0:
@@ -77,13 +81,13 @@ class Study:
     def _parts(data: Measurements | Sequence[Measurements]) -> tuple[Measurements, ...]:
         return (data,) if isinstance(data, Measurements) else tuple(data)
 
-    def problem(self, data: Sequence[Measurements] | None = None) -> Problem:
+    def problem(self, data: Sequence[Measurements] | None = None, progress: Progress | None = None) -> Problem:
         """Return what the diagnosis works on."""
         uncertain = uncertain_parameters(self.uncertain)
         candidates = [entry for entry in chosen(self.candidates, self.mechanism) if entry.keys[0] not in uncertain]
         parts = self._parts(self.data) if data is None else tuple(data)
         return Problem(self.mechanism, parts, candidates, uncertain, self.priors,
-                       force_sigma=self.force_sigma, seed=self.seed)  # fmt: skip
+                       force_sigma=self.force_sigma, seed=self.seed, progress=progress)  # fmt: skip
 
     def plan(self) -> Plan:
         """Return what the loads can tell, whatever will be measured."""
@@ -95,7 +99,7 @@ class Study:
         noise = problem.noise(problem.rows.at(problem.start(problem.keys)))
         view = View.at(problem, values, (), noise, known=True)
         _, cosine, apart = distances(view)
-        lost = int((~view.state.stable).sum())
+        lost = int((~problem.state((), values).stable).sum())
         return Plan(
             rows=problem.rows.n,
             sights=sights(view, self.alpha, self.seed),
@@ -110,8 +114,9 @@ class Study:
     def diagnose(self) -> Diagnosis:
         """Return what is missing, and the proof."""
         begin = time.perf_counter()
-        problem = self.problem()
-        found = search(problem, self.alpha, self.max_effects, self.seed)
+        problem = self.problem(progress=Progress(self.progress))
+        found = search_all(problem, self.alpha, self.max_effects, self.seed)
+        problem.progress.begin("proof")
         return _answer(self, problem, found, begin)
 
 
@@ -127,6 +132,7 @@ def diagnose(
     alpha: float = 0.01,
     max_effects: int = 2,
     seed: int = 0,
+    progress: Callable[[str], None] | None = None,
 ) -> Diagnosis:
     """Return which effect the model is missing, with its look-alikes and the proof; the arguments are `Study`'s.
 
@@ -136,7 +142,7 @@ def diagnose(
     NotConverged : the mechanism has no stable equilibrium under any of the loads.
     """
     return Study(mechanism, data, candidates, uncertain or {}, priors or {}, force_sigma, test, alpha, max_effects,
-                 seed).diagnose()  # fmt: skip
+                 seed, progress).diagnose()  # fmt: skip
 
 
 def plan(
@@ -171,10 +177,10 @@ def _in_words(view: View) -> str:
 
 def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagnosis:
     baseline, view, best = found.baseline, found.view, found.best
-    solver = problem.solver(best.keys)
-    after = solver.at(np.array([best.by_key()[name] for name in solver.names]))
-    weights = problem.weights(view.noise, view.state, view.state.stable)
-    before = baseline.state if found.effects else after
+    after, around = problem.state(best.keys, best.by_key()), problem.state(problem.keys_of(view.model), view.values)
+    calibrated = problem.state((), baseline.values)
+    weights = problem.weights(view.noise, around)
+    before = calibrated if found.effects else after
     opened = Opened.of(problem, before, after, weights, found.scale)
     shown_gap, far = gap(problem, opened, problem.locked, "locked rows", study.seed)
     effects, missing = claims(found), missing_columns(problem)
@@ -182,9 +188,9 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
     verdict = verdict_of(effects, outside=found.outside, gap_in_data=bool(missing) and view.cleaned.memory > 0.2)
     left = None
     if verdict in ("outside_catalogue", "data_gap"):
-        left = remainder(problem, view, opened, compliances(problem, baseline.state), problem.locked)
+        left = remainder(problem, view, opened, compliances(problem, calibrated), problem.locked)
     lost = [*((int(i), "outlier") for i in [*view.outliers, *far]),
-            *((int(i), "no stable equilibrium") for i in np.flatnonzero(~view.state.stable))]  # fmt: skip
+            *((int(i), "no stable equilibrium") for i in np.flatnonzero(~around.stable))]  # fmt: skip
     return Diagnosis(
         verdict=verdict,
         sentence=sentence(verdict, effects, shown_gap, seen, missing, left),
@@ -204,7 +210,7 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
         missing=missing,
         warnings=(*found.doubts, *nearest(found)),
         alarms=alarms(found),
-        rows=_rows(problem, opened, baseline.state, view, far),
+        rows=_rows(problem, opened, calibrated, view, far),
         seconds=time.perf_counter() - begin,
     )
 
@@ -215,14 +221,9 @@ def _transfer(study: Study, problem: Problem, found: Found) -> tuple[Gap, ...]:
     for part in study._parts(study.test):
         there = study.problem([part])
         noise = there.noise(there.rows.at(there.start(there.keys)))
-        states = []
-        for fit in (found.null, found.best):
-            solver = there.solver(fit.keys)
-            states.append(solver.at(np.array([fit.by_key()[name] for name in solver.names])))
-        every = np.ones(part.n, dtype=bool)
-        weights = there.weights(noise, states[1], every)
-        opened = Opened.of(there, states[0], states[1], weights, np.ones(3))
-        shown_gap, _ = gap(there, opened, every, part.source, study.seed)
+        before, after = (there.state(fit.keys, fit.by_key()) for fit in (found.null, found.best))
+        opened = Opened.of(there, before, after, there.weights(noise, after), np.ones(3))
+        shown_gap, _ = gap(there, opened, np.ones(part.n, dtype=bool), part.source, study.seed)
         answer += [shown_gap] if shown_gap else []
     return tuple(answer)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..errors import NotConverged
 from ..identification_rows import DECLARED, Noise, State
 from .candidates import Candidate
-from .cleaning import Chain, Cleaned, clean, orthonormal, removal
+from .cleaning import Chain, Cleaned, clean, orthonormal
 from .compliance import STIFFNESSES
 from .gates import NAMED, SMOOTH, effects_gate, smooth_gate
 from .linear import Gram
@@ -38,7 +38,7 @@ class View:
     problem : what is looked at
     model : places of the candidates that are in the model
     values : by key, of all that was fitted
-    state : poses and derivatives by `keys`, all rows
+    state : poses and derivatives by `keys`, nan in rows that are locked or without a measured pose
     keys : calibrated parameters, sizes of all candidates, further parameters of the model's and of those in `values`
     noise, weights : what is known before the fit, and what follows from it here
     rows : places of the rows that count
@@ -77,15 +77,15 @@ class View:
             for key in candidate.keys[1:]
             if i in model or key in values
         ]
-        solver = problem.solver((*(candidate.keys[0] for candidate in problem.candidates), *more))
+        solver = problem.solver((*(candidate.keys[0] for candidate in problem.candidates), *more), problem.open)
         at = problem.start(solver.names)
         at = np.array([values.get(key, float(own)) for key, own in zip(solver.names, at, strict=True)])
-        state = solver.at(at)
-        use = ~problem.locked & state.stable & problem.wanted.any(axis=1)
+        problem.progress.step(problem.open.size, "derivatives by all effects")
+        state = solver.at(at).among(problem.rows.n, problem.open)
+        use = state.stable
         if not use.any():
             raise NotConverged("no row has a stable equilibrium on this mechanism")
-        weights = problem.weights(noise, state, use)
-        rows = np.flatnonzero(use)
+        weights, rows = problem.weights(noise, state), np.flatnonzero(use)
         smooth = smooth_columns(problem.data, use)
         draft = cls(problem, model, values, state, solver.names, noise, weights, rows, problem.chain(rows),
                     _NOTHING, rows[:0], smooth)  # fmt: skip
@@ -245,7 +245,7 @@ class View:
     def gates(self, alpha: float, seed: int) -> tuple[Gate, Gate]:
         """Return both tests for more than the model has."""
         residual, free, gram = self.rest
-        smooth, kinds = self._smooth(), np.repeat(self.smooth[1], 3)
+        smooth, kinds = self.smoothed(), np.repeat(self.smooth[1], 3)
         smooth = np.vstack([smooth, np.zeros((len(residual) - len(smooth), smooth.shape[1]))])
         by_kind = [smooth[:, kinds == kind] for kind in np.unique(kinds)]
         stage, dof = len(self.model), self.cleaned.trusted_dof
@@ -281,29 +281,9 @@ class View:
             start[self._of(i).keys[0]] = self._of(i).start[0] + size * self._of(i).spread[0]
         return start
 
-    def without(self, row: int) -> "View":
-        """Return the view with one more of its rows left out, the cleaned residuals of the others kept."""
-        kept = np.arange(len(self.rows)) != row
-        own, rows = self.cleaned, self.rows[kept]
-        cleaned = replace(own, residual=own.residual[kept], outlier=own.outlier[kept])
-        lost = np.append(self.outliers, self.rows[row])
-        return replace(self, rows=rows, chain=self.problem.chain(rows), cleaned=cleaned, outliers=lost)
-
-    def _smooth(self) -> Array:
+    def smoothed(self) -> Array:
         """Return smooth functions for each channel, (3 n, 3 q)."""
         return self.flat(_by_channel(self.smooth[0][self.rows]).reshape(len(self.rows), 3, -1))
-
-    def worst(self, *, smooth: bool) -> tuple[int, float]:
-        """Return the row whose removal takes most off the sum of squares, and how much.
-
-        smooth : whether smooth functions are let free; a row that they bend to hides from them
-        """
-        count = 3 * len(self.rows)
-        columns = self.rest[1][:count]
-        if smooth:
-            columns = np.hstack([columns, self._smooth()])
-        gain = removal(self.rest[0][:count].reshape(-1, 3), orthonormal(columns))
-        return int(np.argmax(gain)), float(gain.max())
 
 
 def _by_channel(columns: Array) -> Array:

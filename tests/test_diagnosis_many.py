@@ -1,0 +1,126 @@
+"""Thousands of rows: a share of them is searched, all of them decide; and what those who wait are told."""
+
+import io
+import json
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from ecm_fast import Measurements, Mechanism, diagnose
+from ecm_fast.cli import _streams, main
+from ecm_fast.diagnosis import Study, many
+from ecm_fast.diagnosis.claims import claims
+from ecm_fast.diagnosis.search import search
+from ecm_fast.identification_rows import FitRows
+from ecm_fast.testbed import Sensors, in_sequence, measure, shear_test, tendon_test
+
+NECK = Mechanism()
+MADE = NECK.replace(EA=7600.0, GA=2400.0, EI=2.95)
+COUPLE = "bending_hysteresis.couple"
+
+
+@pytest.fixture(scope="module")
+def looped() -> Measurements:
+    """A hysteresis in 2600 rows: what a row inherits comes from the rows between those that are searched."""
+    return measure(MADE.replace(**{f"effects.{COUPLE}": 0.05}), tendon_test(2600, seed=1), Sensors(), seed=2)
+
+
+def test_a_share_and_all_rows_give_the_same_name_and_the_size_that_was_built_in(looped: Measurements) -> None:
+    found = diagnose(NECK, looped)
+    problem = Study(NECK, looped).problem()
+    assert problem.open.size > many.ENOUGH
+    every = search(problem, 0.01, 2, 0)
+    names = [problem.candidates[i].name for i in every.best.model]
+    assert (found.verdict, list(found.names)) == ("named", names) == ("named", ["bending_hysteresis"])
+    low, high = found.effects[0].interval[COUPLE]
+    assert low < 0.05 < high
+    key = f"effects.{COUPLE}"
+    assert abs(found.effects[0].parameters[COUPLE] - every.best.by_key()[key]) < 0.1 * (high - low)
+    place = every.best.keys.index(key)
+    width = 2.0 * 1.645 * np.sqrt(every.best.covariance[place, place])  # of 90 % under a normal law
+    assert (high - low) == pytest.approx(width, rel=0.02)
+    assert found.gap is not None
+    assert 0.95 < found.gap.after.sigma < 1.05
+
+
+def test_an_effect_that_only_all_rows_show_is_found_and_clean_rows_raise_no_alarm(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A size that all rows show with seven standard deviations is one of three in a share of a sixth of them."""
+    monkeypatch.setattr(many, "ENOUGH", 375)
+    loads = tendon_test(3000, seed=3)
+    clean = diagnose(NECK, measure(MADE, loads, seed=4))
+    assert clean.verdict == "nothing_found"
+    smallest = next(sight.smallest for sight in clean.sights if sight.name == "precurvature")
+    data = measure(MADE.replace(precurvature=1.3 * smallest), loads, seed=5)
+    problem = Study(NECK, data).problem()
+    assert search(problem.by(many.evenly(problem, 375)), 0.01, 2, 0).effects == 0
+    answer, every = diagnose(NECK, data), claims(search(problem, 0.01, 2, 0))
+    assert [claim.name for claim in answer.effects] == [claim.name for claim in every] != []
+    assert answer.effects[0].look_alikes == every[0].look_alikes
+
+
+def test_the_share_keeps_small_experiments_whole_and_the_others_even() -> None:
+    data = measure(MADE, in_sequence(tendon_test(4000, seed=6), shear_test(np.linspace(-60.0, 60.0, 40))), seed=7)
+    problem = Study(NECK, data).problem()
+    rows = many.evenly(problem, 900)
+    assert rows.size <= 900
+    assert np.all(np.diff(rows) > 0)
+    assert not problem.locked[rows].any()
+    small = np.flatnonzero(data.experiment == "shear")
+    assert set(np.intersect1d(problem.open, small)) <= set(rows)
+    assert np.array_equal(many.evenly(problem, 10**6), problem.open)
+    assert np.diff(rows[data.experiment[rows] == "tendon"]).max() < 40  # one in four on the average
+
+
+def test_rows_solved_alone_are_as_among_all(looped: Measurements) -> None:
+    problem = Study(NECK, looped.select(range(200))).problem()
+    some = np.array([3, 4, 50, 77, 199])
+    keys = [f"effects.{COUPLE}", "effects.creep", "beam.EI"]
+    values = np.array([0.04, 0.01, 2.9])
+    all_rows, few = (FitRows(problem.sets, keys, problem.mesh, only) for only in (None, some))
+    whole, part = all_rows.at(values), few.at(values)
+    for name in ("pose", "by", "by_force", "status"):
+        np.testing.assert_array_equal(getattr(whole, name)[some], getattr(part, name))
+    spread = part.among(200, some)
+    assert np.flatnonzero(spread.stable).tolist() == some.tolist()
+    assert np.isnan(np.delete(spread.pose, some, axis=0)).all()
+
+
+def test_everybody_who_asks_is_told_of_every_step(looped: Measurements) -> None:
+    said: list[str] = []
+    diagnose(NECK, looped.select(range(60)), progress=said.append)
+    assert said[0].startswith("[....................] search")
+    assert "proof" in said[-1]
+    assert any("calibration" in line for line in said)
+    bars = [line.count("#") for line in said]
+    assert bars == sorted(bars)
+    said.clear()
+    diagnose(NECK, looped, candidates=["bending_hysteresis", "creep"], progress=said.append)
+    stages = [line.split("] ")[1].split(",")[0] for line in said]
+    assert list(dict.fromkeys(stages)) == ["search", "all rows", "proof"]
+
+
+class _Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize(("make", "shown"), [(_Terminal, True), (io.StringIO, False)])
+def test_a_terminal_shows_one_line_that_goes_away(
+    make: Callable[[], io.StringIO], shown: bool, looped: Measurements, tmp_path, monkeypatch, capsys
+) -> None:
+    looped.select(range(60)).to_csv(tmp_path / "run.csv")
+    stream = make()
+    monkeypatch.setattr(_streams, "_PATIENCE", 0.0)
+    monkeypatch.setattr("sys.stderr", stream)
+    monkeypatch.chdir(tmp_path)
+    assert main(["diagnose", "run.csv", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["verdict"]
+    text = stream.getvalue()
+    assert ("\r[" in text) == shown
+    if shown:
+        last = text[: text.index("ecm-fast:")].rsplit("\r", 2)
+        assert last[1].strip() == ""
+        assert last[2] == ""
