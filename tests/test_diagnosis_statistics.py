@@ -10,6 +10,7 @@ from ecm_fast.diagnosis.gates import effects_gate, null_quantile, smooth_gate
 from ecm_fast.diagnosis.linear import Gram, one_sided_factor
 from ecm_fast.diagnosis.lock import lock
 from ecm_fast.diagnosis.priors import Priors
+from ecm_fast.diagnosis.region import scan
 
 ALL = np.zeros(3, dtype=bool)
 
@@ -191,3 +192,23 @@ def test_priors_are_in_standard_deviations_with_their_derivatives():
     off, slope = prior.rows(np.array([6.0, 2.2, 1.0]))
     np.testing.assert_allclose(off, [np.log(2.0) / 0.5, 2.0])
     np.testing.assert_allclose(slope, [[1.0 / 3.0, 0.0, 0.0], [0.0, 10.0, 0.0]])
+
+
+def test_a_local_disagreement_is_found_where_it_is_and_chance_is_what_it_says():
+    rng = np.random.default_rng(8)
+    lam = np.array([(a, b) for a in np.linspace(0.0, 160.0, 9) for b in np.linspace(0.0, 160.0, 9)])
+    count = np.full(81, 3.0)
+    chances = np.array([scan(lam, rng.chisquare(3.0, 81), count, seed)[1] for seed in range(200)])
+    for level in (0.05, 0.2):
+        assert abs(np.mean(chances <= level) - level) < 3.0 * np.sqrt(level * (1.0 - level) / 200)
+    true = lam[:, 0] - lam[:, 1] > 110.0
+    scores = []
+    for seed in range(20):
+        squares = rng.chisquare(3.0, 81) + np.where(true, 60.0, 0.0)
+        text, chance = scan(lam, squares, count, seed)
+        assert chance <= 0.01
+        name, sign, border, _ = text.rsplit(" ", 3)
+        assert (name, sign) == ("lam_l - lam_r", ">")
+        found = lam[:, 0] - lam[:, 1] > float(border)
+        scores.append(2.0 * np.sum(found & true) / (np.sum(found) + np.sum(true)))
+    assert np.mean(scores) > 0.95

@@ -266,12 +266,14 @@ class Where:
     channels : share of the excess in x, z, theta
     mirror : share that is even and odd under exchange of left and right, by class
     region : text of the loads where the disagreement is local, empty where it is everywhere
+    chance : how often rows exchanged at random would make some region stand out as much
     """
 
     components: Mapping[str, float]
     channels: Mapping[str, float]
     mirror: Mapping[str, float]
     region: str
+    chance: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -204,7 +204,7 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
         gates=found.gates,
         sights=seen,
         noise=_noise(view),
-        where=where(baseline) if any(gate.alarm for gate in found.gates) else None,
+        where=where(baseline, study.seed) if any(gate.alarm for gate in found.gates) else None,
         remainder=left,
         outliers=tuple((problem.rows.where(i), reason) for i, reason in lost),
         missing=missing,

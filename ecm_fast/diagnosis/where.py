@@ -7,6 +7,7 @@ from ..identification_rows import State
 from ..loads import MIN_TOLERANCE, QUADRATIC
 from ..readings import MeasuringChain
 from .problem import Problem
+from .region import scan
 from .result import Where
 from .view import View
 
@@ -34,8 +35,8 @@ def wrenches(residual: Array, compliance: Array) -> Array:
     return out
 
 
-def where(view: View) -> Where:
-    """Return where the calibrated model, without any effect, disagrees."""
+def where(view: View, seed: int) -> Where:
+    """Return where the calibrated model, without any effect, disagrees; `seed` is of the scan's draws."""
     gram, candidates = view.gram, view.problem.candidates
     taken = gram.scores() ** 2
     most = max(float(taken.max(initial=0.0)), 1e-300)
@@ -46,38 +47,12 @@ def where(view: View) -> Where:
             table[name] = max(table.get(name, 0.0), value / most)
     excess = np.maximum((view.raw**2).sum(axis=0) - view.used.sum(axis=0), 0.0)
     shares = excess / max(float(excess.sum()), 1e-300)
+    lam = np.concatenate([part.lam for part in view.problem.data])[view.rows]
+    region, chance = scan(lam, (view.raw**2).sum(axis=1), view.used.sum(axis=1).astype(np.float64), seed)
     return Where(
         components=dict(sorted(parts.items(), key=lambda entry: -entry[1])),
         channels=dict(zip(("x", "z", "theta"), shares.tolist(), strict=True)),
         mirror=dict(sorted(mirror.items(), key=lambda entry: -entry[1])),
-        region=_region(view),
+        region=region,
+        chance=chance,
     )
-
-
-_LOCAL = 0.9
-_QUANTILES = (0.1, 0.25, 0.5)
-
-
-def _region(view: View) -> str:
-    """Return the smallest half space of loads that holds the disagreement, empty where none does."""
-    data = view.problem.data
-    lam = np.concatenate([part.lam for part in data])[view.rows]
-    excess = (view.raw**2 - view.used).sum(axis=1)
-    total = float(excess.sum())
-    if total < 10.0 * np.sqrt(2.0 * view.used.sum()):
-        return ""
-    coordinates = {
-        "lam_l + lam_r": lam.sum(axis=1),
-        "lam_l - lam_r": lam[:, 0] - lam[:, 1],
-        "|lam_l - lam_r|": np.abs(lam[:, 0] - lam[:, 1]),
-    }
-    for share in _QUANTILES:
-        for name, values in coordinates.items():
-            for sign, word in ((1.0, ">"), (-1.0, "<")):
-                if name.startswith("|") and sign < 0.0:
-                    continue
-                level = float(np.quantile(sign * values, 1.0 - share))
-                inside = sign * values >= level
-                if float(excess[inside].sum()) > _LOCAL * total and inside.mean() < share + 0.1:
-                    return f"{name} {word} {sign * level:.3g} N"
-    return ""

@@ -137,7 +137,7 @@ def _where(found: Diagnosis, parity: Parity | None) -> tuple[str, ...]:
         channels = ", ".join(f"{name} {share:.0%}" for name, share in found.where.channels.items())
         out.append(f"What one effect of each part of the mechanism could explain: {parts}. By channel: {channels}.")
         if found.where.region:
-            out.append(f"The disagreement is local: {found.where.region}.")
+            out.append(f"The disagreement is local: {found.where.region} (chance {found.where.chance:.2g}).")
     return tuple(out)
 
 
