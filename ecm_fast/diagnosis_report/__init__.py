@@ -12,7 +12,7 @@ from ..diagnosis.next_result import NextLoads
 from ..diagnosis.parity import Parity
 from ..mechanism import Mechanism
 from ..report import Picture, Section, Table, write_report
-from ._base import Story
+from ._base import MOST, Story
 from .evidence import cosine_matrix, evidence_bars, gap_bar, left_over, parameter_profiles, promise, stiffness
 from .maps import loops, parity_split, residual_maps, workspace, wrench_arrows
 
@@ -72,7 +72,9 @@ def write_diagnosis(
             Section("What to measure next", next_loads.remarks, (_next(next_loads),), _kept(promise(next_loads)))
         )
     sections.append(Section("What these data can show", _invisible(found), (_sights(found),)))
-    warnings = (*notes, *found.warnings, *found.alarms)
+    count = int(found.rows.locked.size)
+    drawn = (f"Maps and loops show {MOST} of {count} rows, evenly over the order of measurement.",) * (count > MOST)
+    warnings = (*drawn, *notes, *found.warnings, *found.alarms)
     sections.append(Section("To know before this is used", (*_noise(found), *warnings), _outliers(found)))
     return write_report(path, _TITLES[found.verdict], sections)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,13 +18,15 @@ from ..parameters import find
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["CHANNELS", "MANY", "Story", "map_points", "row_columns"]
+__all__ = ["CHANNELS", "MANY", "MOST", "Story", "map_points", "row_columns"]
 
 Array = NDArray[np.float64]
 
 CHANNELS = (("x", "mm", 1e3), ("z", "mm", 1e3), ("θ", "mrad", 1e3))
 MANY = 400
 """More points than these are drawn as pixels: as lines they would weigh more than the rest of the page."""
+MOST = 2000
+"""Of more rows, so many are drawn, evenly over the order of measurement."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,12 +61,17 @@ class Story:
         """Which of x, z, theta were measured."""
         return np.flatnonzero(np.isfinite(self.pose).any(axis=0)).tolist()
 
-    @property
+    @cached_property
     def whole(self) -> NDArray[np.bool_]:
-        """Rows with residuals in all channels that were measured, and not left out, (n,)."""
+        """Rows to draw: residuals in all channels that were measured, not left out, not too many to see, (n,)."""
         rows = self.found.rows
         known = np.isfinite(rows.before) & np.isfinite(rows.after)
-        return np.asarray(known[:, self.channels].all(axis=1) & ~rows.outlier)
+        whole = np.asarray(known[:, self.channels].all(axis=1) & ~rows.outlier)
+        places = np.flatnonzero(whole)
+        if places.size > MOST:
+            whole[:] = False
+            whole[places[np.linspace(0, places.size - 1, MOST).round().astype(int)]] = True
+        return whole
 
     @property
     def calibrated(self) -> Mechanism:
