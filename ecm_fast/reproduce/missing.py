@@ -9,6 +9,7 @@ from ..data import Measurements
 from ..datasets import load
 from ..diagnosis import Diagnosis, diagnose
 from ..diagnosis.next_loads import Pool, fitted_rivals, next_loads
+from ..diagnosis.search import LIMITS
 from ..effects import CATALOGUE
 from ..mechanism import Mechanism
 from ..report import Section, Table
@@ -51,7 +52,7 @@ def missing() -> Part:
         f"{answer.sentence}",
         "That is a hint and no finding. Six readings under three loads leave no row aside to prove it on; x was not "
         "read; effects of tendons, force cells and time were not asked for, since there were none. An effect behind "
-        "the best by less than 6.6 could not be told from it.",
+        f"the best by less than {LIMITS[1]:g} could not be told from it.",
         planned,
     )
     claim = Claim(
