@@ -187,3 +187,10 @@ def test_noise_far_beyond_what_is_declared_is_not_nothing(clean):
     assert diagnose(NECK, data).verdict == "nothing_found"
     assert answer.verdict in ("outside_catalogue", "data_gap")
     assert any("times as much as the noise that is declared" in text for text in answer.warnings)
+
+
+def test_a_channel_that_nobody_measured_is_left_out_of_what_other_loads_would_show(clean):
+    data = replace(readings(MADE, clean, seed=4), theta=np.full(LOADS.n, np.nan))
+    sights = {sight.name: sight for sight in diagnose(NECK, data).sights}
+    whole = {sight.name: sight for sight in plan(NECK, LOADS).sights}
+    assert 0.0 < sights["shear_cubic"].shown_sigmas < whole["shear_cubic"].shown_sigmas

@@ -90,7 +90,8 @@ class Cleaned:
         """
         slow = 2.0 * (self.memory_std / (1.0 - self.memory**2)) ** 2
         speaks = self.memory**2 / (self.memory**2 + self.memory_std**2) if self.memory > 0.0 else 0.0
-        return 1.0 / ((1.0 + _RARE * self.tail) / self.dof + slow * speaks)
+        unknown = (1.0 + _RARE * self.tail) / self.dof + slow * speaks
+        return 1.0 / unknown if unknown > 0.0 else np.inf
 
 
 def clean(residual: Array, used: Mask, basis: Array, chain: Chain, declared: Mask) -> Cleaned:

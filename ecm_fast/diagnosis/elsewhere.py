@@ -52,9 +52,11 @@ def elsewhere(view: View) -> tuple[tuple[str, ...], Array]:
 def _problem(view: View, pool: Pool) -> Problem:
     """Return the loads of a pool as measurements with the noise of a view."""
     problem, loads = view.problem, pool.data
-    sigma = np.nanmedian(np.where(view.used, view.weights.sigma[view.rows], np.nan), axis=0)
-    columns: dict[str, Any] = {name: np.zeros(loads.n) for name in ("x", "z", "theta")}
-    columns |= {f"sigma_{name}": np.full(loads.n, value) for name, value in zip(columns, sigma, strict=True)}
+    read, columns = view.weights.sigma[view.rows], dict[str, Any]()
+    for i, name in enumerate(("x", "z", "theta")):
+        seen = view.used[:, i]
+        columns[name] = np.full(loads.n, 0.0 if seen.any() else np.nan)
+        columns[f"sigma_{name}"] = np.full(loads.n, np.median(read[seen, i]) if seen.any() else np.nan)
     told = replace(loads, **columns)
     return Problem(problem.mechanism, [told], problem.candidates, dict.fromkeys(problem.keys, np.inf), {},
                    force_sigma=float(np.median(view.noise.force)), seed=0)  # fmt: skip
