@@ -15,12 +15,16 @@ _BITS = 30
 _LOCK = threading.Lock()
 
 
-def cases(spec: SweepSpec, number: int) -> list[Array]:
-    """Return the values of every varied input in the unit of work `number`, each (rows,)."""
+def cases(spec: SweepSpec, number: int, out: Array | None = None) -> list[Array]:
+    """Return the values of every varied input in the unit of work `number`, each (rows,).
+
+    out : (varied, chunk)   room that they may lie in, overwritten; none: new memory
+    """
     varied, rows = spec.varied, spec.rows(number)
     if spec.sample == "grid":
         return _grid(spec, number * spec.chunk, rows)
-    u = _random(spec, number) if spec.sample == "random" else _sobol(spec, number)
+    u = np.empty((len(varied), spec.chunk)) if out is None else out
+    (_random if spec.sample == "random" else _sobol)(spec, number, u)
     return [entry.quantile(own[:rows]) for entry, own in zip(varied, u, strict=True)]
 
 
@@ -33,14 +37,15 @@ def _grid(spec: SweepSpec, first: int, rows: int) -> list[Array]:
     return columns[::-1]
 
 
-def _random(spec: SweepSpec, number: int) -> list[Array]:
-    """Return numbers of [0, 1) from a stream of the chunk's own, which NumPy derives from the seed and the number."""
+def _random(spec: SweepSpec, number: int, u: Array) -> None:
+    """Draw numbers of [0, 1) from a stream of the chunk's own, which NumPy derives from the seed and the number."""
     source = np.random.Generator(np.random.SFC64(np.random.SeedSequence(spec.seed, spawn_key=(number,))))
-    return [source.random(spec.chunk) for _ in spec.varied]
+    for own in u:
+        source.random(out=own)
 
 
-def _sobol(spec: SweepSpec, number: int) -> list[Array]:
-    """Return a block of the scrambled Sobol sequence.
+def _sobol(spec: SweepSpec, number: int, u: Array) -> None:
+    """Fill in a block of the scrambled Sobol sequence.
 
     The sequence is linear over bits: a block of 2^m points is the first one with some bits flipped, the same ones in
     every point, and those of block 5 are those of blocks 4 and 1 together. So no block needs the ones before it.
@@ -50,7 +55,9 @@ def _sobol(spec: SweepSpec, number: int) -> list[Array]:
     for bit, own in enumerate(turns):
         if number >> bit & 1:
             turn ^= own
-    return [((own ^ bits) + 0.5) * 2.0**-_BITS for own, bits in zip(first, turn, strict=True)]
+    for own, bits, place in zip(first, turn, u, strict=True):
+        np.add(own ^ bits, 0.5, out=place)
+        place *= 2.0**-_BITS
 
 
 @functools.lru_cache(maxsize=4)

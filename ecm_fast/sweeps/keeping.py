@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
@@ -57,20 +57,35 @@ def claim(folder: Path, spec: SweepSpec) -> None:
 
 def keep_rows(folder: Path, spec: SweepSpec, workers: Workers, progress: Progress) -> dict[str, Any]:
     """Solve every chunk whose file is missing; returns the summary."""
-    todo = [number for number in range(spec.chunks) if not _is_there(folder, spec, number)]
-    done = spec.cases - sum(map(spec.rows, todo))
+    todo: list[int] = []
+    statuses, failing, done = Tally({}).statuses, list[int](), 0
+
+    def note(number: int, found: Mapping[str, int]) -> None:
+        nonlocal done
+        for name, count in found.items():
+            statuses[name] += count
+        if found["converged"] < spec.rows(number):
+            failing.append(number)
+        done += spec.rows(number)
+
+    for number in range(spec.chunks):
+        there = _label(folder, spec, number)
+        if there is None:
+            todo.append(number)
+        else:
+            note(number, there["statuses"])
     progress(done, spec.cases)
 
-    def take(number: int, content: bytes | None) -> None:
-        nonlocal done
-        if content is not None:
+    def take(number: int, made: dict[str, int] | tuple[dict[str, int], bytes]) -> None:
+        if isinstance(made, tuple):
+            made, content = made
             write_whole(folder / file_of(number), content)
-        done += spec.rows(number)
+        note(number, made)
         progress(done, spec.cases)
 
     unit = partial(write_rows, spec.text, str(folder)) if workers.shares_folder else partial(make_rows, spec.text)
     run(workers.executor, unit, todo, take, workers.in_flight)
-    return _finish(folder, spec, *_collected(folder, spec))
+    return _finish(folder, spec, statuses, _first_failures(folder, spec, sorted(failing)))
 
 
 def keep_statistics(folder: Path, spec: SweepSpec, workers: Workers, progress: Progress) -> dict[str, Any]:
@@ -98,28 +113,24 @@ def keep_statistics(folder: Path, spec: SweepSpec, workers: Workers, progress: P
     return _finish(folder, spec, total.statuses, total.failures)
 
 
-def _is_there(folder: Path, spec: SweepSpec, number: int) -> bool:
-    about = label(folder / file_of(number)) if (folder / file_of(number)).exists() else None
-    return about is not None and (about["sweep"], about["chunk"]) == (spec.digest, number)
+def _label(folder: Path, spec: SweepSpec, number: int) -> dict[str, Any] | None:
+    """Return what the file of a chunk says about itself; None where it is missing or no whole one of this sweep."""
+    path = folder / file_of(number)
+    about = label(path) if path.exists() else None
+    return about if about is not None and (about["sweep"], about["chunk"]) == (spec.digest, number) else None
 
 
-def _collected(folder: Path, spec: SweepSpec) -> tuple[dict[str, int], list[dict[str, Any]]]:
-    """Return counts by status and the first failures, from the files in their order."""
-    statuses: dict[str, int] = {}
-    failed: list[dict[str, Any]] = []
-    for about in _labels(folder, spec):
-        for name, count in about["statuses"].items():
-            statuses[name] = statuses.get(name, 0) + count
-        failed += about["failures"][: LISTED - len(failed)]
-    return statuses, failed
-
-
-def _labels(folder: Path, spec: SweepSpec) -> Iterator[dict[str, Any]]:
-    for number in range(spec.chunks):
-        about = label(folder / file_of(number))
+def _first_failures(folder: Path, spec: SweepSpec, failing: list[int]) -> list[dict[str, Any]]:
+    """Return the first failures, from the files of the chunks that have some."""
+    listed: list[dict[str, Any]] = []
+    for number in failing:
+        if len(listed) == LISTED:
+            break
+        about = _label(folder, spec, number)
         if about is None:
             raise InputError(f"{folder / file_of(number)}: has vanished or changed; run the sweep again")
-        yield about
+        listed += about["failures"][: LISTED - len(listed)]
+    return listed
 
 
 def _checkpoint(path: Path, spec: SweepSpec) -> tuple[dict[str, tuple[float, float]], Tally, int]:
