@@ -2,8 +2,9 @@
 
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 from ..errors import InputError, why
 from ..files import csv_text, write_whole
 from .engine import run
+from .lock import sole_writer
 from .shard import label
 from .spec import SweepSpec, column
 from .statistics import LISTED, Tally, pilot
@@ -33,12 +35,13 @@ class Workers:
         self.shares_folder = shares_folder
 
 
-def claim(folder: Path, spec: SweepSpec) -> None:
-    """Make the folder, or see that it is this sweep's; remove what a killed run left half done.
+@contextmanager
+def claim(folder: Path, spec: SweepSpec) -> Iterator[None]:
+    """Make the folder, or see that it is this sweep's, and keep others out; remove what a killed run left half done.
 
     Raises
     ------
-    InputError : it holds another sweep, or cannot be made.
+    InputError : it holds another sweep, cannot be made, or another run writes it now.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -46,13 +49,15 @@ def claim(folder: Path, spec: SweepSpec) -> None:
         raise InputError(f"{folder}: cannot be made ({why(error)})") from None
     head = folder / "sweep.json"
     text = f"{spec.text}\n"
-    if head.exists() and head.read_text(encoding="utf-8", errors="replace") != text:
-        raise InputError(f"{folder}: holds another sweep (its sweep.json says which); give another folder")
-    for name in ("rows-*.parquet", "sweep.json", "statistics.json", "summary.json", "failures.csv"):
-        for left in folder.glob(f".{name}.*"):
-            left.unlink()
-    if not head.exists():
-        write_whole(head, text)
+    with sole_writer(folder):
+        if head.exists() and head.read_text(encoding="utf-8", errors="replace") != text:
+            raise InputError(f"{folder}: holds another sweep (its sweep.json says which); give another folder")
+        for name in ("rows-*.parquet", "sweep.json", "statistics.json", "summary.json", "failures.csv"):
+            for left in folder.glob(f".{name}.*"):
+                left.unlink()
+        if not head.exists():
+            write_whole(head, text)
+        yield
 
 
 def keep_rows(folder: Path, spec: SweepSpec, workers: Workers, progress: Progress) -> dict[str, Any]:
