@@ -70,10 +70,10 @@ def solve_cases(
         todo = rows.start + np.flatnonzero(own[3] != Status.CONVERGED)
         if todo.size:
             _finish(mesh, todo, par, lam, wrench, out, factor)
+            for column in own[:3]:
+                column[own[3] > Status.UNSTABLE] = np.nan
 
     _in_threads(part, n, threads)
-    for column in out[:3]:
-        column[out[3] > Status.UNSTABLE] = np.nan
     return result
 
 

@@ -5,6 +5,7 @@ here; a general writer copies every number twice, which costs a quarter of solvi
 encodings are those of ``parquet.thrift`` (github.com/apache/parquet-format), in Thrift's compact protocol.
 """
 
+import functools
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -41,24 +42,28 @@ def parquet_file(
     for name, values in columns.items():
         data = np.ascontiguousarray(values, dtype="<f8").data.cast("B")
         head = _page(_DATA_PAGE, data.nbytes, rows, _PLAIN)
-        chunks.append(_chunk(name, _DOUBLE, [_PLAIN, _RLE], rows, place, len(head) + data.nbytes))
+        chunks.append(_chunk(name, _DOUBLE, (_PLAIN, _RLE), rows, place, len(head) + data.nbytes))
         parts += head, data
         place += len(head) + data.nbytes
     name, numbers, kinds = codes
     known, places = np.arange(kinds, dtype="<i4").tobytes(), _places(numbers)
     dictionary = _page(_DICTIONARY_PAGE, len(known), kinds, _PLAIN) + known
     coded = dictionary + _page(_DATA_PAGE, len(places), rows, _RLE_DICTIONARY) + places
-    chunks.append(
-        _chunk(name, _INT32, [_PLAIN, _RLE, _RLE_DICTIONARY], rows, place, len(coded), dictionary=len(dictionary))
-    )
+    chunks.append(_chunk(name, _INT32, (_PLAIN, _RLE, _RLE_DICTIONARY), rows, place, len(coded), first=len(dictionary)))
     group = _struct({1: _list(chunks), 2: _i64(place + len(coded) - len(_MAGIC)), 3: _i64(rows)})
-    schema = [_struct({4: _binary(b"schema"), 5: _i32(len(columns) + 1)})]
-    schema += [_struct({1: _i32(_DOUBLE), 3: _i32(0), 4: _binary(key.encode())}) for key in columns]
-    schema.append(_struct({1: _i32(_INT32), 3: _i32(0), 4: _binary(name.encode()), 6: _i32(_INT_8)}))
     said = [_struct({1: _binary(key), 2: _binary(value)}) for key, value in about.items()]
-    by = _binary(author.encode())
-    footer = _struct({1: _i32(2), 2: _list(schema), 3: _i64(rows), 4: _list([group]), 5: _list(said), 6: by})[1]
+    kind = {1: _i32(2), 2: _schema(tuple(columns), name), 3: _i64(rows)}
+    footer = _struct(kind | {4: _list([group]), 5: _list(said), 6: _binary(author.encode())})[1]
     return [*parts, coded, footer, len(footer).to_bytes(4, "little"), _MAGIC]
+
+
+@functools.lru_cache(maxsize=8)
+def _schema(columns: tuple[str, ...], codes: str) -> Field:
+    """Return names and types of the columns."""
+    root = _struct({4: _binary(b"schema"), 5: _i32(len(columns) + 1)})
+    leaves = [_struct({1: _i32(_DOUBLE), 3: _i32(0), 4: _binary(name.encode())}) for name in columns]
+    last = _struct({1: _i32(_INT32), 3: _i32(0), 4: _binary(codes.encode()), 6: _i32(_INT_8)})
+    return _list([root, *leaves, last])
 
 
 def _places(codes: NDArray[np.int64]) -> bytes:
@@ -69,6 +74,7 @@ def _places(codes: NDArray[np.int64]) -> bytes:
     return b"\x08" + _varint(eights << 1 | 1) + codes.astype(np.uint8).tobytes().ljust(8 * eights, b"\0")
 
 
+@functools.lru_cache(maxsize=64)  # the pages of one file have the same head, and so have those of the next
 def _page(kind: int, size: int, values: int, encoding: int) -> bytes:
     """Return the head of a page."""
     own = {1: _i32(values), 2: _i32(encoding)}
@@ -77,10 +83,11 @@ def _page(kind: int, size: int, values: int, encoding: int) -> bytes:
     return _struct({1: _i32(kind), 2: _i32(size), 3: _i32(size), 5 if kind == _DATA_PAGE else 7: _struct(own)})[1]
 
 
-def _chunk(name: str, kind: int, encodings: list[int], rows: int, place: int, size: int, dictionary: int = 0) -> Field:
+@functools.lru_cache(maxsize=256)
+def _chunk(name: str, kind: int, encodings: tuple[int, ...], rows: int, place: int, size: int, first: int = 0) -> Field:
     """Return what the footer says about a column.
 
-    place : where it begins in the file, size : of all its pages, dictionary : of the one that holds the dictionary
+    place : where it begins in the file, size : of all its pages, first : of the one that holds the dictionary
     """
     about = {
         1: _i32(kind),
@@ -90,9 +97,9 @@ def _chunk(name: str, kind: int, encodings: list[int], rows: int, place: int, si
         5: _i64(rows),
         6: _i64(size),
         7: _i64(size),
-        9: _i64(place + dictionary),
+        9: _i64(place + first),
     }
-    if dictionary:
+    if first:
         about[11] = _i64(place)
     return _struct({2: _i64(place), 3: _struct(about)})
 

@@ -50,24 +50,21 @@ def label(path: Path) -> dict[str, Any] | None:
     return found
 
 
-def encode(spec: SweepSpec, number: int, solved: Solved) -> list[bytes | memoryview]:
-    """Return the file of a chunk's rows as parts, see `parquet`, that lie in what was solved.
+def encode(spec: SweepSpec, number: int, solved: Solved) -> tuple[dict[str, int], list[bytes | memoryview]]:
+    """Return counts by status and the file of a chunk's rows, as parts that lie in what was solved, see `parquet`.
 
     Numbers are stored as they are: to compress random digits costs more than it saves. The same rows give the same
     bytes.
     """
-    result = solved.result
-    about = {
-        "sweep": spec.digest,
-        "chunk": number,
-        "statuses": result.counts(),
-        "failures": failures(spec, number, solved),
-    }
+    result, statuses = solved.result, solved.result.counts()
+    failed = failures(spec, number, solved) if statuses["converged"] < len(result) else []
+    about = {"sweep": spec.digest, "chunk": number, "statuses": statuses, "failures": failed}
     columns = {column(name): values for name, values in solved.inputs.items()}
     columns |= zip(OUTPUTS, (result.x, result.z, result.theta), strict=True)
     said = {_KEY: json.dumps(about).encode()}
     said[b"ARROW:schema"] = base64.b64encode(_schema(spec.varied).with_metadata(said).serialize())
-    return parquet_file(columns, ("status", result.status, len(Status)), said, f"ecm_fast version {__version__}")
+    codes = "status", result.status, len(Status)
+    return statuses, parquet_file(columns, codes, said, f"ecm_fast version {__version__}")
 
 
 @functools.lru_cache(maxsize=8)

@@ -23,16 +23,16 @@ def file_of(number: int) -> str:
 def write_rows(text: str, folder: str, number: int) -> dict[str, int]:
     """Solve the chunk `number` and write its rows, for workers that share the folder; returns counts by status."""
     spec = spec_of(text)
-    solved = solve(spec, number, own_room())
-    write_whole(Path(folder) / file_of(number), encode(spec, number, solved))
-    return solved.result.counts()
+    statuses, parts = encode(spec, number, solve(spec, number, own_room()))
+    write_whole(Path(folder) / file_of(number), parts)
+    return statuses
 
 
 def make_rows(text: str, number: int) -> tuple[dict[str, int], bytes]:
     """Solve the chunk `number`; returns counts by status and the file of its rows."""
     spec = spec_of(text)
-    solved = solve(spec, number, own_room())
-    return solved.result.counts(), b"".join(encode(spec, number, solved))
+    statuses, parts = encode(spec, number, solve(spec, number, own_room()))
+    return statuses, b"".join(parts)
 
 
 def count_rows(text: str, ranges: Mapping[str, tuple[float, float]], number: int) -> Tally:
