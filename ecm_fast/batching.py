@@ -55,8 +55,9 @@ def solve_cases(
     if result is None:
         result = BatchResult(*columns(n), np.ones(n))
     else:
-        result.status.fill(Status.NOT_CONVERGED)
         result.load_factor.fill(1.0)
+        if fast is None:  # else it overwrites every status
+            result.status.fill(Status.NOT_CONVERGED)
     out, factor = (result.x, result.z, result.theta, result.status), result.load_factor
     guess = fast.fit_guess(lam.max(), wrench[0]) if fast and len(wrench) == 1 and n >= WORTH_A_GUESS else None
 

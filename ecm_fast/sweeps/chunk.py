@@ -1,13 +1,14 @@
 """One unit of work: the cases of a chunk, solved. It depends on the sweep and the chunk's number alone."""
 
 import functools
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..equilibrium import BatchResult
-from ..mechanism import Mechanism
 from ..model import FiniteElementModel
 from ..parameters import index, pack, size
 from .design import cases
@@ -53,21 +54,19 @@ def solve(spec: SweepSpec, number: int, room: Room | None = None, *, stride: int
     dead = [known.get(name, 0.0) for name in _WRENCH]
     same = all(np.ndim(value) == 0 for value in dead)
     wrench = np.array(dead) if same else _together(dead, room.array("wrench", rows, len(_WRENCH)))
-    neck = spec.mechanism.replace(**{name: value for name, value in spec.fixed.items() if name not in LOADS})
     columns = {entry.name: inputs[entry.name] for entry in spec.varied if entry.name not in LOADS}
-    result = _result(room, rows)
-    if not columns:
-        _model(spec, neck).solve_batch(lam, wrench, tolerance=spec.tolerance, out=result)
-        return Solved(inputs, result)
+    model, result = room.model(spec.digest, partial(_model, spec, {})), _result(room, rows)
     changes = np.flatnonzero(np.any([own[1:] != own[:-1] for own in columns.values()], axis=0)) + 1
-    if (len(changes) + 1) * WORTH_A_MODEL <= rows:
-        _by_mechanism(spec, neck, columns, changes, lam, wrench, result)
+    if not columns:
+        model.solve_batch(lam, wrench, tolerance=spec.tolerance, out=result)
+    elif (len(changes) + 1) * WORTH_A_MODEL <= rows:
+        _by_mechanism(spec, columns, changes, lam, wrench, result)
     else:
         par = room.array("parameters", rows, size())
-        par[:] = pack(neck)
+        par[:] = pack(model.mechanism)
         for name, values in columns.items():
             par[:, index(name)] = values
-        _model(spec, neck).solve_batch(lam, wrench, parameters=par, tolerance=spec.tolerance, out=result)
+        model.solve_batch(lam, wrench, parameters=par, tolerance=spec.tolerance, out=result)
     return Solved(inputs, result)
 
 
@@ -83,14 +82,15 @@ def _result(room: Room, rows: int) -> BatchResult:
     return BatchResult(x, z, theta, room.array("status", rows, dtype=np.int64), factor)
 
 
-def _model(spec: SweepSpec, neck: Mechanism) -> FiniteElementModel:
-    return FiniteElementModel(neck, spec.elements, spec.order or None)
+def _model(spec: SweepSpec, changes: Mapping[str, float]) -> FiniteElementModel:
+    """Return the model of a sweep's mechanism with what is the same in every case, and with some changes."""
+    fixed = {name: value for name, value in spec.fixed.items() if name not in LOADS}
+    return FiniteElementModel(spec.mechanism.replace(**fixed, **changes), spec.elements, spec.order or None)
 
 
 def _by_mechanism(
     spec: SweepSpec,
-    neck: Mechanism,
-    columns: dict[str, Array],
+    columns: Mapping[str, Array],
     changes: NDArray[np.intp],
     lam: Array,
     wrench: Array,
@@ -98,9 +98,9 @@ def _by_mechanism(
 ) -> None:
     """Solve runs of cases that share a mechanism, as a grid has them whose loads change fastest."""
     for rows in map(slice, [0, *changes], [*changes, len(lam)]):
-        own = neck.replace(**{name: float(values[rows.start]) for name, values in columns.items()})
+        model = _model(spec, {name: float(values[rows.start]) for name, values in columns.items()})
         out = BatchResult(
             result.x[rows], result.z[rows], result.theta[rows], result.status[rows], result.load_factor[rows]
         )
         dead = wrench if wrench.ndim == 1 else wrench[rows]
-        _model(spec, own).solve_batch(lam[rows], dead, tolerance=spec.tolerance, out=out)
+        model.solve_batch(lam[rows], dead, tolerance=spec.tolerance, out=out)
