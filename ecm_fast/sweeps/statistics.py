@@ -149,10 +149,14 @@ def pilot(spec: SweepSpec) -> dict[str, tuple[float, float]]:
     if not missing:
         return ranges
     numbers = sorted({round(share * (spec.chunks - 1)) for share in np.linspace(0.0, 1.0, 4)})
-    stride = max(1, len(numbers) * spec.rows(0) // _PILOT)
-    parts = [solve(spec, number, stride=stride) for number in numbers]
+    stride, room = max(1, len(numbers) * spec.rows(0) // _PILOT), Room()
+    stable: dict[str, list[NDArray[np.float64]]] = {name: [] for name in missing}
+    for number in numbers:
+        part = solve(spec, number, room, stride=stride)
+        for name in missing:
+            stable[name].append(_outputs(part)[name][part.result.stable])
     for name in missing:
-        seen = np.concatenate([_outputs(part)[name][part.result.stable] for part in parts])
+        seen = np.concatenate(stable[name])
         if not seen.size:
             raise InputError(f"no case tried is stable: lower the loads, or give statistics.{name} = [from, to]")
         low, high = float(seen.min()), float(seen.max())
