@@ -53,9 +53,12 @@ def bench_writing(benchmark, spec: dict[str, Any], tmp_path: Path) -> None:
     plan = ecm.read_spec(spec)
     solved, names = solve(plan, 0), count()
 
+    def write(_: int) -> None:
+        write_whole(tmp_path / f"{next(names)}", encode(plan, 0, solved)[1])
+
     def run() -> None:
         with ThreadPoolExecutor(THREADS) as pool:
-            list(pool.map(lambda _: write_whole(tmp_path / f"{next(names)}", encode(plan, 0, solved)), range(CHUNKS)))
+            list(pool.map(write, range(CHUNKS)))
 
     benchmark(run)
     benchmark.extra_info["cases"] = plan.cases

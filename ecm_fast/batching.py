@@ -40,6 +40,7 @@ def solve_cases(
     wrench: Array,
     last2: float,
     threads: int,
+    result: BatchResult | None = None,
 ) -> BatchResult:
     """Solve every case, or say why not.
 
@@ -48,9 +49,16 @@ def solve_cases(
     fast : the fast path of the one mechanism
     par : (1, n_parameters) that mechanism; or (n, n_parameters), one for each case
     lam : (n, 2), wrench : (1 or n, 3), last2 : largest squared last step of Newton's method
+    result : overwritten and returned; none: a new one
     """
     n = len(lam)
-    out, factor = columns(n), np.ones(n)
+    if result is None:
+        result = BatchResult(*columns(n), np.ones(n))
+    else:
+        result.load_factor.fill(1.0)
+        if fast is None:  # else it overwrites every status
+            result.status.fill(Status.NOT_CONVERGED)
+    out, factor = (result.x, result.z, result.theta, result.status), result.load_factor
     guess = fast.fit_guess(lam.max(), wrench[0]) if fast and len(wrench) == 1 and n >= WORTH_A_GUESS else None
 
     def part(rows: slice) -> None:
@@ -63,11 +71,11 @@ def solve_cases(
         todo = rows.start + np.flatnonzero(own[3] != Status.CONVERGED)
         if todo.size:
             _finish(mesh, todo, par, lam, wrench, out, factor)
+            for column in own[:3]:
+                column[own[3] > Status.UNSTABLE] = np.nan
 
     _in_threads(part, n, threads)
-    for column in out[:3]:
-        column[out[3] > Status.UNSTABLE] = np.nan
-    return BatchResult(*out, factor)
+    return result
 
 
 def _finish(

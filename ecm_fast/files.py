@@ -8,7 +8,7 @@ import os
 import stat
 import tempfile
 import threading
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +19,8 @@ __all__ = ["csv_text", "write_whole"]
 _UMASK = threading.Lock()  # it can only be read by being set: two threads at once would leave the other's 0
 
 
-def write_whole(path: str | os.PathLike[str], content: str | bytes | memoryview) -> Path:
-    """Write `content` to a temporary file beside `path`, then rename it over `path`.
+def write_whole(path: str | os.PathLike[str], content: str | bytes | Sequence[bytes | memoryview]) -> Path:
+    """Write `content`, or its parts, to a temporary file beside `path`, then rename it over `path`.
 
     A reader sees the old file or the new one, never a half; a full disk leaves the old one untouched.
 
@@ -29,7 +29,8 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes | memoryview)
     InputError : the file cannot be written; names the path and the system's reason.
     """
     place = Path(path)
-    data = content.encode() if isinstance(content, str) else content
+    whole = content.encode() if isinstance(content, str) else content
+    parts = [whole] if isinstance(whole, bytes) else whole
     temporary = None
     try:
         target = Path(os.path.realpath(place))  # a link stays a link
@@ -38,7 +39,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes | memoryview)
             raise OSError(errno.EISDIR, reason)
         handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
         with os.fdopen(handle, "wb") as file:
-            file.write(data)
+            file.writelines(parts)
         os.chmod(temporary, _mode(target))
         os.replace(temporary, target)
         temporary = None

@@ -22,6 +22,9 @@ from .mechanism import Mechanism
 from .model import FiniteElementModel
 from .parameters import pack
 from .polynomial import ForwardPolynomial, PolynomialModel
+from .sweeps.room import Room
+from .sweeps.spec_file import read_spec
+from .sweeps.statistics import pilot, tally_of
 from .training import tip_wrenches
 
 __all__ = ["Warmup", "compilations", "warmup"]
@@ -51,7 +54,7 @@ class Warmup:
 
 
 def warmup(*, everything: bool = False, progress: Callable[[str], None] | None = None) -> Warmup:
-    """Compile every kernel that models, batches, control loops, sensitivities and polynomials meet, and keep it.
+    """Compile and keep every kernel that models, batches, control loops, sensitivities, polynomials and sweeps meet.
 
     What this process has loaded already is neither compiled nor looked up again.
 
@@ -73,7 +76,7 @@ def warmup(*, everything: bool = False, progress: Callable[[str], None] | None =
 
 def compilations() -> tuple[int, int]:
     """Return how many kernels this process has compiled so far, and how many it took from the cache."""
-    modules = [module for name, module in list(sys.modules.items()) if name.startswith(f"{__package__}.kernels.")]
+    modules = [module for name, module in list(sys.modules.items()) if name.startswith(f"{__package__}.")]
     # a kernel stands in every module that imports it
     kernels = {id(entry): entry for module in modules for entry in vars(module).values()}
     stats = [entry.stats for entry in kernels.values() if isinstance(entry, Dispatcher)]
@@ -92,6 +95,7 @@ def _touches(orders: tuple[int, ...], degrees: tuple[int, ...], families: tuple[
     yield "directions of tendons", lambda: tendon_directions(FiniteElementModel(neck).tip, 0.1, 0.01, -0.2, 1.0)
     for degree in degrees:
         yield from _for_degree(degree)
+    yield "statistics of a sweep", _statistics
 
 
 def _for_mesh(what: str, model: FiniteElementModel) -> Iterator[Touch]:
@@ -104,6 +108,11 @@ def _for_mesh(what: str, model: FiniteElementModel) -> Iterator[Touch]:
     yield f"{what}: batch that the robust solver takes", lambda: model.solve_batch([[500.0, 480.0]])
     yield f"{what}: batch over mechanisms", lambda: model.solve_batch(_LAM, parameters=par)
     yield f"{what}: sensitivities", lambda: model.sensitivities(["EA", "length"], _LAM)
+
+
+def _statistics() -> object:
+    plan = read_spec({"sweep": {"cases": 64}, "inputs": {"lam_l": [0.0, 160.0]}})
+    return tally_of(plan, 0, pilot(plan), Room())
 
 
 def _for_degree(degree: int) -> Iterator[Touch]:

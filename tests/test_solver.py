@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import newton, root
 
-from ecm_fast import FiniteElementModel, InputError, Mechanism, NotConverged, Status, reference
+from ecm_fast import BatchResult, FiniteElementModel, InputError, Mechanism, NotConverged, Status, reference
 from ecm_fast.parameters import pack
 
 LADDER = {"length": 0.15, "EA": 7500.0, "GA": 2420.0, "EI": 3.0, "g": 0.0}
@@ -381,6 +381,26 @@ def test_threads_change_nothing(threads):
         assert many.load_factor.tolist() == one.load_factor.tolist()
         np.testing.assert_allclose(many.pose, one.pose, rtol=0.0, atol=tolerance)
         assert one.counts()["unstable"] == 15
+
+
+@pytest.mark.parametrize("mesh", [{}, {"elements": 5, "order": 1}, {"family": "strain"}])
+@pytest.mark.parametrize("one_each", [False, True], ids=["one mechanism", "one each"])
+def test_a_result_that_is_overwritten_keeps_nothing_of_what_was_there(mesh, one_each):
+    """A new result, whatever the old one holds: verdicts of other cases, numbers or none."""
+    model, rng = FiniteElementModel(**mesh), np.random.default_rng(7)
+    lam = rng.uniform(0.0, [[1.0], [900.0]] * 20, (40, 2))
+    options = {"parameters": np.tile(pack(model.mechanism), (40, 1)) if one_each else None}
+    known = model.solve_batch(lam, **options)
+    assert 0 < known.counts()["converged"] < 40
+    for status, number in ((Status.CONVERGED, 1.0), (Status.INVALID_INPUT, np.nan)):
+        poses, statuses = (np.full(40, number) for _ in range(4)), np.full(40, status, dtype=np.int64)
+        x, z, theta, factor = poses
+        out = BatchResult(x, z, theta, statuses, factor)
+        assert model.solve_batch(lam, out=out, **options) is out
+        for name in ("x", "z", "theta", "status", "load_factor"):
+            np.testing.assert_array_equal(getattr(out, name), getattr(known, name))
+    with pytest.raises(InputError, match=r"^out has 40 cases: allowed is 39, as many as there are loads$"):
+        model.solve_batch(lam[1:], out=out)
 
 
 def test_empty_batch():

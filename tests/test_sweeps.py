@@ -25,6 +25,7 @@ from ecm_fast.files import write_whole
 from ecm_fast.sweeps import read_spec, sweep
 from ecm_fast.sweeps.design import cases
 from ecm_fast.sweeps.engine import TRIES, run
+from ecm_fast.sweeps.parquet import parquet_file
 from ecm_fast.sweeps.statistics import Channel
 
 parquet = pytest.importorskip("pyarrow.parquet")
@@ -128,6 +129,27 @@ def test_rows_are_the_models_own_solves(tmp_path: Path) -> None:
         )
         assert [rows[name][i] for name in ("x_m", "z_m", "theta_rad")] == pytest.approx(eq.pose, abs=1e-8)
     assert done.dataset().count_rows() == 3000
+    schema = parquet.read_schema(done.files[5])
+    assert [str(kind) for kind in schema.types] == 7 * ["double"] + ["int8"]
+    assert not any(entry.nullable for entry in schema)
+    assert [schema.field(i).metadata[b"unit"] for i in range(4)] == [b"N", b"N", b"N m^2", b"N"]
+    assert json.loads(schema.metadata[b"ecm_fast"])["statuses"]["converged"] == 3000 - 5 * 512
+
+
+@pytest.mark.parametrize("rows", [1, 8, 1001])
+@pytest.mark.parametrize("width", [1, 14, 40])
+def test_another_reader_finds_what_was_written(rows: int, width: int, tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    columns = {f"column {i}": values for i, values in enumerate(rng.normal(size=(width, rows)))}
+    columns["column 0"][0] = np.nan
+    for codes in (np.zeros(rows, dtype=np.int64), rng.integers(0, 5, rows)):
+        said = {b"key": bytes(range(1, 128)) * 5}
+        path = write_whole(tmp_path / "table", parquet_file(columns, ("code", codes, 5), said, "test version 1.0"))
+        table = parquet.read_table(path)
+        assert table.column_names == [*columns, "code"]
+        for name, values in {**columns, "code": codes}.items():
+            assert np.array_equal(table[name].to_numpy(), values, equal_nan=name != "code")
+        assert parquet.read_metadata(path).metadata == said
 
 
 def test_a_grid_whose_mechanisms_change_seldom_is_solved_as_one_that_changes_them_often(tmp_path: Path) -> None:
@@ -264,6 +286,51 @@ def test_a_killed_process_leaves_what_the_next_one_needs(tmp_path: Path) -> None
     there = len(list((tmp_path / "parts").glob("rows-*.parquet")))
     assert 0 < there < 49
     assert contents(elsewhere(spec, tmp_path / "parts")) == whole
+
+
+HOLD = """
+import os, sys, time
+from ecm_fast.sweeps import sweep
+
+def hold(done, cases):
+    child = os.fork() if hasattr(os, "fork") else -1
+    if child:
+        print(child, flush=True)
+    time.sleep(100)
+    os._exit(0)
+
+sweep(sys.argv[1], sys.argv[2], progress=hold)
+"""
+
+
+def test_a_folder_that_another_process_writes_is_kept_until_it_is_killed(tmp_path: Path) -> None:
+    spec = tmp_path / "spec.toml"
+    spec.write_text("[sweep]\ncases = 100\n[inputs]\nlam_l = [0, 160]\n")
+    words = [sys.executable, "-c", HOLD, str(spec), str(tmp_path / "out")]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
+        child = int(process.stdout.readline())
+        try:
+            with pytest.raises(InputError, match=r"out: another run is writing it; wait for its end, or give another"):
+                sweep(spec, tmp_path / "out")
+            process.kill()
+            process.wait()
+            assert sweep(spec, tmp_path / "out").solved == 100  # though a process that it forked is still there
+        finally:
+            process.kill()
+            if child > 0:
+                os.kill(child, signal.SIGKILL)
+
+
+def test_two_runs_in_one_process_do_not_write_one_folder(tmp_path: Path) -> None:
+    def again(done: int, cases: int) -> None:
+        with pytest.raises(InputError, match=r"another run is writing it"):
+            sweep(SMALL, tmp_path / "a" / ".." / "a")
+        told.append(done)
+
+    told: list[int] = []
+    sweep(SMALL, tmp_path / "a", progress=again)
+    assert len(told) == 7
+    assert sweep(SMALL, tmp_path / "a").solved == 0
 
 
 def test_threads_that_write_at_once_leave_the_permissions_of_new_files_alone(tmp_path: Path) -> None:

@@ -121,13 +121,16 @@ known = ecm.training_poses(model, 100, 0)
 for conservative in (False, True):
     poly = ecm.PolynomialModel.fit(known.poses, known.wrenches, conservative=conservative)
     poly.wrench(known.poses[0]), poly.stiffness(known.poses), poly.stepper()(0.1, 0.01, -0.2)
+spec = {"sweep": {"cases": 3000, "keep": "statistics"}, "inputs": {"lam_l": [0.0, 160.0], "EI": [2.9, 3.1]}}
+ecm.sweep(spec, sys.argv[1])
 print(json.dumps([done.compiled, done.from_cache, again.compiled, again.from_cache, before == compilations()]))
 """
 
 
-def test_after_a_warm_up_nothing_is_compiled_or_loaded():
+def test_after_a_warm_up_nothing_is_compiled_or_loaded(tmp_path):
     warmup()  # fills the cache where it is empty
-    done = subprocess.run([sys.executable, "-c", FRESH], capture_output=True, text=True, timeout=280, check=True)
+    words = [sys.executable, "-c", FRESH, str(tmp_path)]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=280, check=True)
     compiled, from_cache, *again, untouched = json.loads(done.stdout)
     assert (compiled, *again, untouched) == (0, 0, 0, True)
     assert from_cache > 10

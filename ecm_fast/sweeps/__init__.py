@@ -87,13 +87,12 @@ def sweep(
 
     Raises
     ------
-    InputError : the sweep cannot be, or the folder holds another one.
+    InputError : the sweep cannot be, the folder holds another one, or another run is writing it.
     """
     plan = spec if isinstance(spec, SweepSpec) else read_spec(spec)
     folder = Path(out)
     if plan.keep == "rows":
         need_pyarrow()
-    claim(folder, plan)
     told: list[int] = []
 
     def tell(done: int, cases: int) -> None:
@@ -104,7 +103,7 @@ def sweep(
 
     start = time.perf_counter()
     keep = keep_rows if plan.keep == "rows" else keep_statistics
-    with _workers(executor, threads, in_flight) as workers:
+    with claim(folder, plan), _workers(executor, threads, in_flight) as workers:
         summary = keep(folder, plan, workers, tell)
     return Sweep(folder, plan.cases, summary["statuses"], plan.cases - told[0], time.perf_counter() - start)
 

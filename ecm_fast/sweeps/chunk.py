@@ -1,17 +1,19 @@
 """One unit of work: the cases of a chunk, solved. It depends on the sweep and the chunk's number alone."""
 
 import functools
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..equilibrium import BatchResult
-from ..mechanism import Mechanism
 from ..model import FiniteElementModel
-from ..parameters import index, pack, unpack
+from ..parameters import index, pack, size
 from .design import cases
-from .spec import LOADS, Input, SweepSpec
+from .room import Room
+from .spec import LOADS, SweepSpec
 
 __all__ = ["Solved", "solve", "spec_of"]
 
@@ -38,60 +40,67 @@ def spec_of(text: str) -> SweepSpec:
     return SweepSpec.of_text(text)
 
 
-def solve(spec: SweepSpec, number: int, stride: int = 1) -> Solved:
-    """Solve the cases of the chunk `number`, on the calling thread; or every so many of them."""
-    inputs = {entry.name: own[::stride] for entry, own in zip(spec.varied, cases(spec, number), strict=True)}
+def solve(spec: SweepSpec, number: int, room: Room | None = None, *, stride: int = 1) -> Solved:
+    """Solve the cases of the chunk `number`, on the calling thread; or every so many of them.
+
+    room : where they may lie until it is given to another chunk; none: new memory
+    """
+    room = Room() if room is None else room
+    drawn = cases(spec, number, room.array("inputs", len(spec.varied), spec.chunk))
+    inputs = {entry.name: own[::stride] for entry, own in zip(spec.varied, drawn, strict=True)}
     rows = -(-spec.rows(number) // stride)
     known: dict[str, float | Array] = {**spec.fixed, **inputs}
-    lam = _together([known.get(name, 0.0) for name in _LAM], rows)
+    lam = _together([known.get(name, 0.0) for name in _LAM], room.array("lam", rows, len(_LAM)))
     dead = [known.get(name, 0.0) for name in _WRENCH]
-    wrench = np.array(dead) if all(np.ndim(value) == 0 for value in dead) else _together(dead, rows)
-    neck = spec.mechanism.replace(**{name: value for name, value in spec.fixed.items() if name not in LOADS})
-    parameters = [entry for entry in spec.varied if entry.name not in LOADS]
-    if not parameters:
-        return Solved(inputs, _model(spec, neck).solve_batch(lam, wrench, tolerance=spec.tolerance))
-    columns = [inputs[entry.name] for entry in parameters]
-    changes = np.flatnonzero(np.any([own[1:] != own[:-1] for own in columns], axis=0)) + 1
-    if (len(changes) + 1) * WORTH_A_MODEL <= rows:
-        return Solved(inputs, _by_mechanism(spec, neck, parameters, columns, changes, lam, wrench))
-    par = _vectors(neck, parameters, columns, slice(None))
-    return Solved(inputs, _model(spec, neck).solve_batch(lam, wrench, parameters=par, tolerance=spec.tolerance))
+    same = all(np.ndim(value) == 0 for value in dead)
+    wrench = np.array(dead) if same else _together(dead, room.array("wrench", rows, len(_WRENCH)))
+    columns = {entry.name: inputs[entry.name] for entry in spec.varied if entry.name not in LOADS}
+    model, result = room.model(spec.digest, partial(_model, spec, {})), _result(room, rows)
+    changes = np.flatnonzero(np.any([own[1:] != own[:-1] for own in columns.values()], axis=0)) + 1
+    if not columns:
+        model.solve_batch(lam, wrench, tolerance=spec.tolerance, out=result)
+    elif (len(changes) + 1) * WORTH_A_MODEL <= rows:
+        _by_mechanism(spec, columns, changes, lam, wrench, result)
+    else:
+        par = room.array("parameters", rows, size())
+        par[:] = pack(model.mechanism)
+        for name, values in columns.items():
+            par[:, index(name)] = values
+        model.solve_batch(lam, wrench, parameters=par, tolerance=spec.tolerance, out=result)
+    return Solved(inputs, result)
 
 
-def _together(columns: list[float | Array], rows: int) -> Array:
-    """Return numbers and columns as one array, (rows, columns)."""
-    values = np.empty((rows, len(columns)))
+def _together(columns: list[float | Array], values: Array) -> Array:
+    """Return numbers and columns as one array, (rows, columns), which is overwritten."""
     for place, own in enumerate(columns):
         values[:, place] = own
     return values
 
 
-def _model(spec: SweepSpec, neck: Mechanism) -> FiniteElementModel:
-    return FiniteElementModel(neck, spec.elements, spec.order or None)
+def _result(room: Room, rows: int) -> BatchResult:
+    x, z, theta, factor = (room.array(name, rows) for name in ("x", "z", "theta", "load_factor"))
+    return BatchResult(x, z, theta, room.array("status", rows, dtype=np.int64), factor)
 
 
-def _vectors(neck: Mechanism, parameters: list[Input], columns: list[Array], rows: slice) -> Array:
-    """Return a parameter vector for each of some rows."""
-    par = np.tile(pack(neck), (len(columns[0][rows]), 1))
-    for entry, values in zip(parameters, columns, strict=True):
-        par[:, index(entry.name)] = values[rows]
-    return par
+def _model(spec: SweepSpec, changes: Mapping[str, float]) -> FiniteElementModel:
+    """Return the model of a sweep's mechanism with what is the same in every case, and with some changes."""
+    fixed = {name: value for name, value in spec.fixed.items() if name not in LOADS}
+    return FiniteElementModel(spec.mechanism.replace(**fixed, **changes), spec.elements, spec.order or None)
 
 
 def _by_mechanism(
     spec: SweepSpec,
-    neck: Mechanism,
-    parameters: list[Input],
-    columns: list[Array],
+    columns: Mapping[str, Array],
     changes: NDArray[np.intp],
     lam: Array,
     wrench: Array,
-) -> BatchResult:
+    result: BatchResult,
+) -> None:
     """Solve runs of cases that share a mechanism, as a grid has them whose loads change fastest."""
-    parts = []
     for rows in map(slice, [0, *changes], [*changes, len(lam)]):
-        own = unpack(_vectors(neck, parameters, columns, slice(rows.start, rows.start + 1))[0])
+        model = _model(spec, {name: float(values[rows.start]) for name, values in columns.items()})
+        out = BatchResult(
+            result.x[rows], result.z[rows], result.theta[rows], result.status[rows], result.load_factor[rows]
+        )
         dead = wrench if wrench.ndim == 1 else wrench[rows]
-        parts.append(_model(spec, own).solve_batch(lam[rows], dead, tolerance=spec.tolerance))
-    together = zip(*((part.x, part.z, part.theta, part.status, part.load_factor) for part in parts), strict=True)
-    return BatchResult(*map(np.concatenate, together))
+        model.solve_batch(lam[rows], dead, tolerance=spec.tolerance, out=out)

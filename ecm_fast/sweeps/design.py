@@ -2,6 +2,7 @@
 
 import functools
 import threading
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +16,17 @@ _BITS = 30
 _LOCK = threading.Lock()
 
 
-def cases(spec: SweepSpec, number: int) -> list[Array]:
-    """Return the values of every varied input in the unit of work `number`, each (rows,)."""
+def cases(spec: SweepSpec, number: int, out: Array | None = None) -> list[Array]:
+    """Return the values of every varied input in the unit of work `number`, each (rows,).
+
+    out : (varied, chunk)   room that they may lie in, overwritten; none: new memory
+    """
     varied, rows = spec.varied, spec.rows(number)
     if spec.sample == "grid":
         return _grid(spec, number * spec.chunk, rows)
-    u = _random(spec, number) if spec.sample == "random" else _sobol(spec, number)
-    return [entry.quantile(own[:rows]) for entry, own in zip(varied, u, strict=True)]
+    u = np.empty((len(varied), spec.chunk)) if out is None else out
+    filled = (_random if spec.sample == "random" else _sobol)(spec, number, u)
+    return [entry.quantile(own[:rows]) for entry, own in zip(varied, filled, strict=True)]
 
 
 def _grid(spec: SweepSpec, first: int, rows: int) -> list[Array]:
@@ -33,14 +38,18 @@ def _grid(spec: SweepSpec, first: int, rows: int) -> list[Array]:
     return columns[::-1]
 
 
-def _random(spec: SweepSpec, number: int) -> list[Array]:
-    """Return numbers of [0, 1) from a stream of the chunk's own, which NumPy derives from the seed and the number."""
+def _random(spec: SweepSpec, number: int, u: Array) -> Iterator[Array]:
+    """Fill `u` with numbers of [0, 1) from a stream of the chunk's own, which NumPy derives from seed and number.
+
+    A row is taken up before the next one is drawn, while it is in the processor's cache.
+    """
     source = np.random.Generator(np.random.SFC64(np.random.SeedSequence(spec.seed, spawn_key=(number,))))
-    return [source.random(spec.chunk) for _ in spec.varied]
+    for own in u:
+        yield source.random(out=own)
 
 
-def _sobol(spec: SweepSpec, number: int) -> list[Array]:
-    """Return a block of the scrambled Sobol sequence.
+def _sobol(spec: SweepSpec, number: int, u: Array) -> Iterator[Array]:
+    """Fill `u` with a block of the scrambled Sobol sequence.
 
     The sequence is linear over bits: a block of 2^m points is the first one with some bits flipped, the same ones in
     every point, and those of block 5 are those of blocks 4 and 1 together. So no block needs the ones before it.
@@ -50,7 +59,10 @@ def _sobol(spec: SweepSpec, number: int) -> list[Array]:
     for bit, own in enumerate(turns):
         if number >> bit & 1:
             turn ^= own
-    return [((own ^ bits) + 0.5) * 2.0**-_BITS for own, bits in zip(first, turn, strict=True)]
+    for own, bits, place in zip(first, turn, u, strict=True):
+        np.add(own ^ bits, 0.5, out=place)
+        place *= 2.0**-_BITS
+        yield place
 
 
 @functools.lru_cache(maxsize=4)

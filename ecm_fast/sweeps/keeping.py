@@ -2,8 +2,9 @@
 
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 from ..errors import InputError, why
 from ..files import csv_text, write_whole
 from .engine import run
+from .lock import sole_writer
 from .shard import label
 from .spec import SweepSpec, column
 from .statistics import LISTED, Tally, pilot
@@ -33,12 +35,13 @@ class Workers:
         self.shares_folder = shares_folder
 
 
-def claim(folder: Path, spec: SweepSpec) -> None:
-    """Make the folder, or see that it is this sweep's; remove what a killed run left half done.
+@contextmanager
+def claim(folder: Path, spec: SweepSpec) -> Iterator[None]:
+    """Make the folder, or see that it is this sweep's, and keep others out; remove what a killed run left half done.
 
     Raises
     ------
-    InputError : it holds another sweep, or cannot be made.
+    InputError : it holds another sweep, cannot be made, or another run writes it now.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -46,31 +49,48 @@ def claim(folder: Path, spec: SweepSpec) -> None:
         raise InputError(f"{folder}: cannot be made ({why(error)})") from None
     head = folder / "sweep.json"
     text = f"{spec.text}\n"
-    if head.exists() and head.read_text(encoding="utf-8", errors="replace") != text:
-        raise InputError(f"{folder}: holds another sweep (its sweep.json says which); give another folder")
-    for name in ("rows-*.parquet", "sweep.json", "statistics.json", "summary.json", "failures.csv"):
-        for left in folder.glob(f".{name}.*"):
-            left.unlink()
-    if not head.exists():
-        write_whole(head, text)
+    with sole_writer(folder):
+        if head.exists() and head.read_text(encoding="utf-8", errors="replace") != text:
+            raise InputError(f"{folder}: holds another sweep (its sweep.json says which); give another folder")
+        for name in ("rows-*.parquet", "sweep.json", "statistics.json", "summary.json", "failures.csv"):
+            for left in folder.glob(f".{name}.*"):
+                left.unlink()
+        if not head.exists():
+            write_whole(head, text)
+        yield
 
 
 def keep_rows(folder: Path, spec: SweepSpec, workers: Workers, progress: Progress) -> dict[str, Any]:
     """Solve every chunk whose file is missing; returns the summary."""
-    todo = [number for number in range(spec.chunks) if not _is_there(folder, spec, number)]
-    done = spec.cases - sum(map(spec.rows, todo))
+    todo: list[int] = []
+    statuses, failing, done = Tally({}).statuses, list[int](), 0
+
+    def note(number: int, found: Mapping[str, int]) -> None:
+        nonlocal done
+        for name, count in found.items():
+            statuses[name] += count
+        if found["converged"] < spec.rows(number):
+            failing.append(number)
+        done += spec.rows(number)
+
+    for number in range(spec.chunks):
+        there = _label(folder, spec, number)
+        if there is None:
+            todo.append(number)
+        else:
+            note(number, there["statuses"])
     progress(done, spec.cases)
 
-    def take(number: int, content: bytes | None) -> None:
-        nonlocal done
-        if content is not None:
+    def take(number: int, made: dict[str, int] | tuple[dict[str, int], bytes]) -> None:
+        if isinstance(made, tuple):
+            made, content = made
             write_whole(folder / file_of(number), content)
-        done += spec.rows(number)
+        note(number, made)
         progress(done, spec.cases)
 
     unit = partial(write_rows, spec.text, str(folder)) if workers.shares_folder else partial(make_rows, spec.text)
     run(workers.executor, unit, todo, take, workers.in_flight)
-    return _finish(folder, spec, *_collected(folder, spec))
+    return _finish(folder, spec, statuses, _first_failures(folder, spec, sorted(failing)))
 
 
 def keep_statistics(folder: Path, spec: SweepSpec, workers: Workers, progress: Progress) -> dict[str, Any]:
@@ -98,28 +118,24 @@ def keep_statistics(folder: Path, spec: SweepSpec, workers: Workers, progress: P
     return _finish(folder, spec, total.statuses, total.failures)
 
 
-def _is_there(folder: Path, spec: SweepSpec, number: int) -> bool:
-    about = label(folder / file_of(number)) if (folder / file_of(number)).exists() else None
-    return about is not None and (about["sweep"], about["chunk"]) == (spec.digest, number)
+def _label(folder: Path, spec: SweepSpec, number: int) -> dict[str, Any] | None:
+    """Return what the file of a chunk says about itself; None where it is missing or no whole one of this sweep."""
+    path = folder / file_of(number)
+    about = label(path) if path.exists() else None
+    return about if about is not None and (about["sweep"], about["chunk"]) == (spec.digest, number) else None
 
 
-def _collected(folder: Path, spec: SweepSpec) -> tuple[dict[str, int], list[dict[str, Any]]]:
-    """Return counts by status and the first failures, from the files in their order."""
-    statuses: dict[str, int] = {}
-    failed: list[dict[str, Any]] = []
-    for about in _labels(folder, spec):
-        for name, count in about["statuses"].items():
-            statuses[name] = statuses.get(name, 0) + count
-        failed += about["failures"][: LISTED - len(failed)]
-    return statuses, failed
-
-
-def _labels(folder: Path, spec: SweepSpec) -> Iterator[dict[str, Any]]:
-    for number in range(spec.chunks):
-        about = label(folder / file_of(number))
+def _first_failures(folder: Path, spec: SweepSpec, failing: list[int]) -> list[dict[str, Any]]:
+    """Return the first failures, from the files of the chunks that have some."""
+    listed: list[dict[str, Any]] = []
+    for number in failing:
+        if len(listed) == LISTED:
+            break
+        about = _label(folder, spec, number)
         if about is None:
             raise InputError(f"{folder / file_of(number)}: has vanished or changed; run the sweep again")
-        yield about
+        listed += about["failures"][: LISTED - len(listed)]
+    return listed
 
 
 def _checkpoint(path: Path, spec: SweepSpec) -> tuple[dict[str, tuple[float, float]], Tally, int]:

@@ -1,25 +1,26 @@
-"""The rows of a chunk as a Parquet file in memory, and what such a file says about itself."""
+"""The rows of a chunk as a Parquet file, and what such a file says about itself."""
 
+import base64
+import functools
 import json
-import threading
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..equilibrium import BatchResult, Status
+from .. import __version__
+from ..equilibrium import Status
 from ..errors import InputError
 from ..parameters import find
 from .chunk import Solved
-from .spec import LOADS, OUTPUTS, SweepSpec, column
+from .parquet import parquet_file
+from .spec import LOADS, OUTPUTS, Input, SweepSpec, column
 
 __all__ = ["FAILURES", "encode", "failures", "label", "need_pyarrow"]
 
 FAILURES = 100
 """How many failed cases a chunk lists with their inputs."""
 _KEY = b"ecm_fast"
-_ROOM = threading.local()
 
 
 def failures(spec: SweepSpec, number: int, solved: Solved) -> list[dict[str, Any]]:
@@ -49,49 +50,31 @@ def label(path: Path) -> dict[str, Any] | None:
     return found
 
 
-def encode(spec: SweepSpec, number: int, solved: Solved) -> Any:
-    """Return the file of a chunk's rows, as a buffer that the calling thread may overwrite with its next one.
+def encode(spec: SweepSpec, number: int, solved: Solved) -> tuple[dict[str, int], list[bytes | memoryview]]:
+    """Return counts by status and the file of a chunk's rows, as parts that lie in what was solved, see `parquet`.
 
     Numbers are stored as they are: to compress random digits costs more than it saves. The same rows give the same
     bytes.
     """
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    result = solved.result
-    about = {
-        "sweep": spec.digest,
-        "chunk": number,
-        "statuses": result.counts(),
-        "failures": failures(spec, number, solved),
-    }
-    schema = _schema(spec).with_metadata({_KEY: json.dumps(about).encode()})
-    table = pa.table([*solved.inputs.values(), *_outputs(result)], schema=schema)
-    room = _room(table.nbytes + len(schema.metadata[_KEY]) * 2 + 100_000)
-    sink = pa.FixedSizeBufferWriter(pa.py_buffer(room))
-    with parquet.ParquetWriter(
-        sink,
-        schema,
-        compression="none",
-        use_dictionary=["status"],
-        write_statistics=["status"],
-        data_page_size=1 << 24,
-        write_batch_size=1 << 16,
-    ) as writer:
-        writer.write_table(table, row_group_size=len(result))
-    return room.data[: sink.tell()]
+    result, statuses = solved.result, solved.result.counts()
+    failed = failures(spec, number, solved) if statuses["converged"] < len(result) else []
+    about = {"sweep": spec.digest, "chunk": number, "statuses": statuses, "failures": failed}
+    columns = {column(name): values for name, values in solved.inputs.items()}
+    columns |= zip(OUTPUTS, (result.x, result.z, result.theta), strict=True)
+    said = {_KEY: json.dumps(about).encode()}
+    said[b"ARROW:schema"] = base64.b64encode(_schema(spec.varied).with_metadata(said).serialize())
+    codes = "status", result.status, len(Status)
+    return statuses, parquet_file(columns, codes, said, f"ecm_fast version {__version__}")
 
 
-def _outputs(result: BatchResult) -> list[NDArray[Any]]:
-    return [result.x, result.z, result.theta, result.status.astype(np.int8)]
-
-
-def _schema(spec: SweepSpec) -> Any:
+@functools.lru_cache(maxsize=8)
+def _schema(varied: tuple[Input, ...]) -> Any:
+    """Return Arrow's types of the columns, with their units."""
     import pyarrow as pa
 
     inputs = [
         pa.field(column(entry.name), pa.float64(), nullable=False, metadata={"unit": _unit(entry.name)})
-        for entry in spec.varied
+        for entry in varied
     ]
     outputs = [pa.field(name, pa.float64(), nullable=False) for name in OUTPUTS]
     return pa.schema([*inputs, *outputs, pa.field("status", pa.int8(), nullable=False)])
@@ -99,14 +82,6 @@ def _schema(spec: SweepSpec) -> Any:
 
 def _unit(name: str) -> str:
     return {"N": "N", "Nm": "N m"}[LOADS[name][0].rpartition("_")[2]] if name in LOADS else find(name).unit
-
-
-def _room(size: int) -> NDArray[np.uint8]:
-    """Return memory that the calling thread keeps: fresh pages for every chunk would cost as much as the encoding."""
-    room: NDArray[np.uint8] | None = getattr(_ROOM, "memory", None)
-    if room is None or len(room) < size:
-        room = _ROOM.memory = np.empty(size, dtype=np.uint8)
-    return room
 
 
 def need_pyarrow() -> None:

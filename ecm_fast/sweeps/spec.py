@@ -74,7 +74,8 @@ class Input:
         if self.kind == "uniform":
             low, high = self.numbers
             u *= high - low
-            u += low
+            if low:
+                u += low
             return u
         if self.kind == "values":
             values = np.array(self.numbers)

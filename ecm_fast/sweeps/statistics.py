@@ -12,6 +12,7 @@ from ..equilibrium import Status
 from ..errors import InputError
 from ._tally import tally
 from .chunk import Solved, solve
+from .room import Room
 from .shard import failures
 from .spec import OUTPUTS, SweepSpec, column
 
@@ -120,9 +121,9 @@ class Tally:
         return f"Tally({sum(self.statuses.values())} cases, {self.statuses['converged']} stable)"
 
 
-def tally_of(spec: SweepSpec, number: int, ranges: Mapping[str, tuple[float, float]]) -> Tally:
-    """Return the statistics of the chunk `number`."""
-    solved = solve(spec, number)
+def tally_of(spec: SweepSpec, number: int, ranges: Mapping[str, tuple[float, float]], room: Room) -> Tally:
+    """Return the statistics of the chunk `number`, whose cases are solved in a room."""
+    solved = solve(spec, number, room)
     found = Tally.empty(spec, ranges)
     places, sums = np.empty(2, dtype=np.int64), np.empty(5)
     for name, values in _outputs(solved).items():
@@ -148,10 +149,14 @@ def pilot(spec: SweepSpec) -> dict[str, tuple[float, float]]:
     if not missing:
         return ranges
     numbers = sorted({round(share * (spec.chunks - 1)) for share in np.linspace(0.0, 1.0, 4)})
-    stride = max(1, len(numbers) * spec.rows(0) // _PILOT)
-    parts = [solve(spec, number, stride) for number in numbers]
+    stride, room = max(1, len(numbers) * spec.rows(0) // _PILOT), Room()
+    stable: dict[str, list[NDArray[np.float64]]] = {name: [] for name in missing}
+    for number in numbers:
+        part = solve(spec, number, room, stride=stride)
+        for name in missing:
+            stable[name].append(_outputs(part)[name][part.result.stable])
     for name in missing:
-        seen = np.concatenate([_outputs(part)[name][part.result.stable] for part in parts])
+        seen = np.concatenate(stable[name])
         if not seen.size:
             raise InputError(f"no case tried is stable: lower the loads, or give statistics.{name} = [from, to]")
         low, high = float(seen.min()), float(seen.max())

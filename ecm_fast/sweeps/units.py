@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..files import write_whole
 from .chunk import solve, spec_of
+from .room import own_room
 from .shard import encode
 from .statistics import Tally, tally_of
 
@@ -19,18 +20,21 @@ def file_of(number: int) -> str:
     return f"rows-{number:07d}.parquet"
 
 
-def write_rows(text: str, folder: str, number: int) -> None:
-    """Solve the chunk `number` and write its rows: for workers that share the folder."""
+def write_rows(text: str, folder: str, number: int) -> dict[str, int]:
+    """Solve the chunk `number` and write its rows, for workers that share the folder; returns counts by status."""
     spec = spec_of(text)
-    write_whole(Path(folder) / file_of(number), encode(spec, number, solve(spec, number)))
+    statuses, parts = encode(spec, number, solve(spec, number, own_room()))
+    write_whole(Path(folder) / file_of(number), parts)
+    return statuses
 
 
-def make_rows(text: str, number: int) -> bytes:
-    """Solve the chunk `number` and return the file of its rows."""
+def make_rows(text: str, number: int) -> tuple[dict[str, int], bytes]:
+    """Solve the chunk `number`; returns counts by status and the file of its rows."""
     spec = spec_of(text)
-    return bytes(encode(spec, number, solve(spec, number)))
+    statuses, parts = encode(spec, number, solve(spec, number, own_room()))
+    return statuses, b"".join(parts)
 
 
 def count_rows(text: str, ranges: Mapping[str, tuple[float, float]], number: int) -> Tally:
     """Solve the chunk `number` and return its statistics."""
-    return tally_of(spec_of(text), number, ranges)
+    return tally_of(spec_of(text), number, ranges, own_room())
