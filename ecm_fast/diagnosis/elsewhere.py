@@ -56,7 +56,8 @@ def _problem(view: View, pool: Pool) -> Problem:
     for i, name in enumerate(("x", "z", "theta")):
         seen = view.used[:, i]
         columns[name] = np.full(loads.n, 0.0 if seen.any() else np.nan)
-        columns[f"sigma_{name}"] = np.full(loads.n, np.median(read[seen, i]) if seen.any() else np.nan)
+        sigma = view.cleaned.scale[i] * np.median(read[seen, i]) if seen.any() else np.nan
+        columns[f"sigma_{name}"] = np.full(loads.n, sigma)
     told = replace(loads, **columns)
     return Problem(problem.mechanism, [told], problem.candidates, dict.fromkeys(problem.keys, np.inf), {},
                    force_sigma=float(np.median(view.noise.force)), seed=0)  # fmt: skip
