@@ -37,8 +37,9 @@ def on_more_than_a_row(view: View, alpha: float, seed: int) -> tuple[View, tuple
             reduced, dropped = _without(reduced, row), dropped + 1
             gates = reduced.gates(alpha, seed)
         if not any(gate.alarm for gate in gates):
-            astray = view.gram.left - reduced.gram.left - _ASTRAY * dropped
-            named = dropped and float(view.gram.singles()[0].max(initial=0.0)) > astray
+            whole, rest = view.rest[2], reduced.rest[2]
+            astray = whole.left - rest.left - _ASTRAY * dropped
+            named = dropped and float(whole.singles()[0].max(initial=0.0)) > astray
             return (view, first) if named else (reduced, gates)
     return view, first
 

@@ -16,13 +16,13 @@ from .problem import Problem
 from .refit import Fit, refit
 from .result import Gate
 from .search import (
-    _LATER,
     _WORTH,
     LIMITS,
     Fits,
     Found,
     _fitted,
     _pairs,
+    _tested,
     onward,
     refused,
     search,
@@ -135,10 +135,9 @@ def _of_two(
     baseline: View, gates: tuple[Gate, ...], found: Fits, singles: Sequence[Fit], alpha: float, seed: int
 ) -> Found:
     """Return whether two effects are enough, and better than the `singles`."""
-    view, null, fits = found
+    (view, null, fits), last = _tested(found, alpha, seed)
     alone = [refit(view, fit.model, fit.by_key()) for fit in singles]
     tried = {1: alone, 2: fits}
-    last = view.gates(_LATER * alpha, seed)
     gain = fits[0].evidence - max(fit.evidence for fit in (null, *alone)) if fits else 0.0
     if gain > _WORTH and not refused(fits[0], view) and not any(gate.alarm for gate in last):
         return Found(baseline, view, null, tried, (*gates, *last), 2, False, ())

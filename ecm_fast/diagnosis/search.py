@@ -135,10 +135,9 @@ def onward(
 
     The search began at `start`, the baseline with further parameters of effects where they begin.
     """
-    view, null, fits = first
-    problem, noise, values = view.problem, baseline.noise, baseline.values
+    problem, noise, values = baseline.problem, baseline.noise, baseline.values
+    (view, null, fits), own = _tested(first, alpha, seed)
     found: dict[int, list[Fit]] = {1: fits}
-    own = view.gates(_LATER * alpha, seed)
     gates = (*gates, *own)
     admissible = _admissible(fits, null, view)
     if admissible and not any(gate.alarm for gate in own):
@@ -149,15 +148,15 @@ def onward(
         alone = _alone(both, pairs)
         single = max((fit.evidence for fit in alone), default=null2.evidence)
         if pairs and not refused(pairs[0], both) and pairs[0].evidence - single > _WORTH:
-            last = both.gates(_LATER * alpha, seed)
-            gates = (*gates, *last)
+            (both, null2, pairs), last = _tested((both, null2, pairs), alpha, seed)
+            found[2], gates = pairs, (*gates, *last)
             if any(gate.alarm for gate in last):
                 return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), both)
             return Found(baseline, both, null2, found, gates, 2, False, ())
         if alone and alone[0].evidence - null2.evidence > _SPEAKS and alone[0].model != fits[0].model:
-            view, null, fits = _singles(problem, start, noise, both, {fit.model: fit for fit in (*fits, *alone)})
-            found, own, admissible = {1: fits}, view.gates(_LATER * alpha, seed), _admissible(fits, null, view)
-            gates = (*gates, *own)
+            known = {fit.model: fit for fit in (*fits, *alone)}
+            (view, null, fits), own = _tested(_singles(problem, start, noise, both, known), alpha, seed)
+            found, admissible, gates = {1: fits}, _admissible(fits, null, view), (*gates, *own)
             if admissible and not any(gate.alarm for gate in own):
                 return Found(baseline, view, null, found, gates, 1, False, ())
     outside = not admissible or any(gate.alarm for gate in own)
@@ -165,6 +164,16 @@ def onward(
     if outside:
         return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), view)
     return Found(baseline, view, null, found, gates, 1, False, (doubt,))
+
+
+def _tested(found: Fits, alpha: float, seed: int) -> tuple[Fits, tuple[Gate, ...]]:
+    """Return the tests for more than the best explanation has; rows on which an alarm rests alone are left out."""
+    view, null, fits = found
+    reduced, gates = on_more_than_a_row(view, _LATER * alpha, seed)
+    if reduced is not view:
+        known = {fit.model: fit for fit in fits}
+        null, fits = refit(reduced, (), null.by_key()), _fitted(reduced, list(known), known)
+    return (reduced, null, fits), gates
 
 
 def _looked_at(baseline: View, begin: dict[str, float]) -> View:

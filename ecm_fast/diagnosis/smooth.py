@@ -16,14 +16,17 @@ Array = NDArray[np.float64]
 
 _DEGREE, _DRIFT = 3, 2
 _ROWS_PER_TERM = 4
+_SMALL = 20.0
+"""Tendon force around which a tendon that is not yet tight shows [N]."""
 _SETTLING = (15.0, 400.0)
 """Times in which what lags behind a change of load, neck, tendons or camera, is taken to settle [s]."""
 
 
 def smooth_columns(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:
-    """Return polynomials, (n, q), of the loads of each experiment and of the order of each session; and what settles.
+    """Return polynomials, (n, q), of the loads of each experiment and of the order of each session, and more.
 
-    Which of the three kinds a column is, (q,), is a number from 0 on. `rows` (n,) says which rows count; there are
+    What settles after a change of load, and what goes on at small tendon forces, are kinds of their own.
+    Which kind a column is of, (q,), is a number from 0 on. `rows` (n,) says which rows count; there are
     never more polynomials than a quarter of these.
     """
     member = np.repeat(np.arange(len(data)), [part.n for part in data])
@@ -32,11 +35,12 @@ def smooth_columns(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> tup
     _, kind = np.unique(np.rec.fromarrays([member, experiment]), return_inverse=True)
     _, run = np.unique(np.rec.fromarrays([member, session]), return_inverse=True)
     loads = _loads(data)
-    groups, runs = range(int(kind.max()) + 1), range(int(run.max()) + 1)
-    of_loads = [column for i in groups for column in _of_loads(loads, (kind == i) & rows, kind == i)]
+    experiments, runs = range(int(kind.max()) + 1), range(int(run.max()) + 1)
+    of_loads = [column for i in experiments for column in _of_loads(loads, (kind == i) & rows, kind == i)]
     of_order = [column for i in runs for column in _of_order(run == i, rows)]
-    columns = [*of_loads, *of_order, *(settling := _of_settling(data, rows))]
-    kinds = np.repeat([0, 1, 2], [len(of_loads), len(of_order), len(settling)])
+    groups = [of_loads, of_order, _of_settling(data, rows), _of_small_forces(data, rows)]
+    columns = [column for group in groups for column in group]
+    kinds = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
     return np.column_stack(columns) if columns else np.zeros((len(rows), 0)), kinds
 
 
@@ -98,3 +102,12 @@ def _forgotten(record: Record) -> Array:
     for column, (force, time) in zip(out, product(forces, _SETTLING), strict=True):
         follow(record.begins, record.repeats, record.held, force, still, rest, 1.0, time, travel, slider, column)
     return np.where(np.isfinite(data.dwell), out / max(float(np.ptp(forces, axis=1).max()), 1e-9), 0.0).T
+
+
+def _of_small_forces(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> list[Array]:
+    """Return what goes on in either tendon around a small force, the sum and the difference of both."""
+    lam = np.concatenate([part.lam for part in data]) / _SMALL
+    left, right = (lam * np.exp(1.0 - lam)).T
+    if int((rows & (np.maximum(left, right) > 0.5)).sum()) < 2 * _ROWS_PER_TERM:
+        return []
+    return [left + right, left - right]
