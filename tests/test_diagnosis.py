@@ -122,6 +122,35 @@ def test_the_distance_to_the_nearest_rival_is_what_a_fit_of_it_leaves():
     assert min(left) == left[0] == pytest.approx(found.apart, rel=0.01)
 
 
+@pytest.mark.parametrize(("name", "size"), [("camera_lag", 6.0), ("slack", 20.0), ("wall", 2000.0)])
+def test_what_is_in_no_catalogue_gets_no_name(name, size):
+    found = diagnose(NECK, measure(MADE, LOADS, seed=9, hidden={name: size}))
+    assert (found.verdict, found.effects) == ("outside_catalogue", ())
+
+
+def test_a_stop_is_found_at_the_angle_where_it_is(clean):
+    made = MADE.replace(**{"effects.contact_stop.stiffness": 5.0, "effects.contact_stop.angle": 0.3})
+    found = diagnose(NECK, measure(made, LOADS, seed=5))
+    assert found.names == ("contact_stop",)
+    low, high = found.effects[0].interval["contact_stop.angle"]
+    assert low < 0.3 < high < 0.33
+
+
+def test_rows_that_a_stop_moves_are_no_outliers_and_outliers_are_no_stop(clean):
+    made = MADE.replace(**{"effects.contact_stop.stiffness": 9.0, "effects.contact_stop.angle": 0.385})
+    stopped = measure(made, LOADS, seed=6)
+    assert diagnose(NECK, stopped).names == ("contact_stop",)
+    read = readings(MADE, clean, seed=6)
+    far = np.flatnonzero(np.abs(read.theta) > 0.385)
+    off = np.zeros((read.n, 3))
+    off[far] = np.random.default_rng(7).choice([-12.0, 12.0], (far.size, 3)) * [1e-4, 1e-4, 1e-3]
+    spoiled = replace(read, x=read.x + off[:, 0], z=read.z + off[:, 1], theta=read.theta + off[:, 2])
+    found = diagnose(NECK, spoiled)
+    assert found.names == ()
+    open_rows = np.flatnonzero(~found.rows.locked & found.rows.outlier)
+    assert set(open_rows) == set(far[~found.rows.locked[far]])
+
+
 def test_what_does_not_show_is_said_with_the_loads_that_would_show_it():
     loads, more = tendon_test(grid=3), Pool.of(["wrench"]).data  # a grid of nine has no locked rows
     sights = {sight.name: sight for sight in plan(NECK, loads).sights}
