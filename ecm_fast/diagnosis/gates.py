@@ -12,7 +12,7 @@ __all__ = ["NAMED", "SMOOTH", "effects_gate", "null_quantile", "smooth_gate"]
 
 Array = NDArray[np.float64]
 
-NAMED, SMOOTH = 0.5, 0.3
+NAMED, SMOOTH = 0.3, 0.1
 """Shares of the chance of a false alarm that the tests with and without names may use.
 
 The rest is for what noise is like in truth: tails, outliers and memory are told from the data, not known.
