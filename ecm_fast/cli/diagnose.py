@@ -179,7 +179,8 @@ def _text(found: "Diagnosis") -> str:
             lines.append(f"locked rows, {name}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
                          f"theta {1e3 * rms.theta:.3g} mrad, {rms.sigma:.3g} sigma")  # fmt: skip
     for gap in found.transfer:
-        lines.append(f"never fitted, {gap.what}: {gap.before.sigma:.3g} sigma before, {gap.after.sigma:.3g} after")
+        lines.append(f"never fitted, {gap.what}: {gap.before.sigma:.3g} sigma before, {gap.after.sigma:.3g} after; "
+                     f"allowed {gap.allowed:.3g}")  # fmt: skip
     if found.verdict == "nothing_found":
         smallest = sorted((s for s in found.sights if s.sigmas > 0.0), key=lambda s: s.smallest / s.typical)
         lines += [f"would have been found: {s.name} from {s.smallest:.3g} {s.unit}" for s in smallest[:_SHOWN]]

@@ -8,6 +8,7 @@ from typing import Any
 from ..identification_result import Estimate
 from ..mechanism import Mechanism
 from .parts import Claim, Gap, Gate, Model, Noise, Remainder, Rms, Rows, Sight, Verdict, Where
+from .transfer_result import Transfer
 
 __all__ = [
     "Claim",
@@ -20,6 +21,7 @@ __all__ = [
     "Rms",
     "Rows",
     "Sight",
+    "Transfer",
     "Verdict",
     "Where",
     "plain",
@@ -60,7 +62,7 @@ class Diagnosis:
     before: Mapping[str, Estimate]
     mechanism: Mechanism
     gap: Gap | None
-    transfer: tuple[Gap, ...]
+    transfer: tuple[Transfer, ...]
     models: tuple[Model, ...]
     gates: tuple[Gate, ...]
     sights: tuple[Sight, ...]
