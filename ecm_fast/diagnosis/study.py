@@ -14,6 +14,7 @@ from ..mechanism import Mechanism
 from .alarms import alarms
 from .candidates import chosen, uncertain_parameters
 from .claims import claims, estimates
+from .doubts import stiffness_doubts
 from .gap import Opened, gap
 from .many import search_all
 from .plan_result import Plan
@@ -191,7 +192,7 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
     left = None
     if verdict in ("outside_catalogue", "data_gap"):
         left = remainder(problem, view, opened, compliances(problem, calibrated), problem.locked)
-    noise = _noise(view)
+    calibrated_now, noise = estimates(best, found), _noise(view)
     tests = _transfer(study, found, noise)
     lost = [*((int(i), "outlier") for i in [*view.outliers, *far]),
             *((int(i), "no stable equilibrium") for i in np.flatnonzero(~around.stable))]  # fmt: skip
@@ -199,7 +200,7 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
         verdict=verdict,
         sentence=sentence(verdict, effects, shown_gap, seen, missing, left, tests),
         effects=effects,
-        calibration=estimates(best, found),
+        calibration=calibrated_now,
         before=estimates(found.null, found),
         mechanism=problem.mechanism.replace(**best.by_key()),
         gap=shown_gap,
@@ -212,7 +213,8 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
         remainder=left,
         outliers=tuple((problem.rows.where(i), reason) for i, reason in lost),
         missing=missing,
-        warnings=(*not_carried(tests, [claim.name for claim in effects]), *found.doubts, *nearest(found)),
+        warnings=(*not_carried(tests, [claim.name for claim in effects]), *found.doubts, *nearest(found),
+                  *stiffness_doubts(calibrated_now, problem.mechanism)),  # fmt: skip
         alarms=alarms(found),
         rows=_rows(problem, opened, calibrated, view, far),
         seconds=time.perf_counter() - begin,
