@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from html import escape
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("jinja2")
 
 from ecm_fast.cli import main
+from ecm_fast.effects import CATALOGUE
 from ecm_fast.mechanism import Mechanism
 from ecm_fast.testbed import Sensors, measure, tendon_test
 
@@ -52,8 +54,11 @@ def test_the_first_page_says_verdict_gap_set_and_next(done) -> None:
     assert result["sentence"] in first
     assert "stiffness_taper" in first
     assert "Not distinguishable from" in first
+    name = result["effects"][0]["name"]
+    assert f"{name}: {escape(CATALOGUE[name].size.meaning)}; even (same on both sides)" in first
+    assert "Next best: " in first
     assert "Measure next" in first
-    assert "locked rows, before" in first
+    assert "rows set aside, before" in first
 
 
 def test_numbers_beside_the_pictures_are_those_of_the_rows(done) -> None:

@@ -166,17 +166,20 @@ def _inputs(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _text(found: "Diagnosis") -> str:
+    from ..diagnosis.claim_words import MIRRORS, meaning, next_best, size
+
     lines = [f"{found.verdict}: {found.sentence}"]
     for claim in found.effects:
-        lines += [f"{n} = {v:.6g} ({claim.interval[n][0]:.6g} to {claim.interval[n][1]:.6g})"
-                  for n, v in claim.parameters.items()]  # fmt: skip
+        lines += [size(claim, name) for name in claim.parameters]
         others = ", ".join(claim.look_alikes) or "none"
-        lines.append(f"  {claim.sigmas:.1f} sigma, {claim.mirror}, family: {claim.family}; look-alikes: {others}")
+        lines += [f"  {meaning(claim)}", f"  {claim.sigmas:.1f} sigma, {MIRRORS[claim.mirror]}, family: {claim.family}",
+                  f"  look-alikes: {others}"]  # fmt: skip
+    lines += [f"  {text}" for text in [next_best(found.models, found.names)] if text]
     lines += [f"{name} {estimate}" for name, estimate in found.calibration.items()]
     if found.gap:
         for name in ("before", "after", "floor"):
             rms = getattr(found.gap, name)
-            lines.append(f"locked rows, {name}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
+            lines.append(f"rows set aside, {name}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
                          f"theta {1e3 * rms.theta:.3g} mrad, {rms.sigma:.3g} sigma")  # fmt: skip
     for gap in found.transfer:
         lines.append(f"never fitted, {gap.what}: {gap.before.sigma:.3g} sigma before, {gap.after.sigma:.3g} after; "

@@ -116,7 +116,7 @@ class Diagnosis:
         lines += [f"  {name} {estimate}" for name, estimate in self.calibration.items()]
         if self.gap:
             parts = (f"{name} {getattr(self.gap, name).sigma:.3g}" for name in ("before", "after", "floor"))
-            lines.append(f"  gap on {self.gap.rows} locked rows [sigma]: {', '.join(parts)}")
+            lines.append(f"  gap on {self.gap.rows} rows set aside [sigma]: {', '.join(parts)}")
         lines += [f"  warning: {text}" for text in (*self.warnings, *self.alarms)]
         return "\n".join(lines) + ">"
 

@@ -185,7 +185,7 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
     weights = problem.weights(view.noise, around)
     before = calibrated if found.effects else after
     opened = Opened.of(problem, before, after, weights, found.scale)
-    shown_gap, far = gap(problem, opened, problem.locked, "locked rows", study.seed)
+    shown_gap, far = gap(problem, opened, problem.locked, "rows set aside", study.seed)
     effects, missing = claims(found), missing_columns(problem)
     seen = sights(baseline, study.alpha, study.seed)
     verdict = verdict_of(effects, outside=found.outside, gap_in_data=bool(missing) and view.cleaned.memory > 0.2)

@@ -1,6 +1,7 @@
 """The answer in one plain sentence, and what to know before it is used."""
 
 from .candidates import lacking
+from .claim_words import size
 from .problem import Problem
 from .result import Claim, Gap, Remainder, Sight, Verdict
 from .search import Found
@@ -55,9 +56,7 @@ def _answer(
 
 
 def _named(claim: Claim) -> str:
-    size, value = next(iter(claim.parameters.items()))
-    low, high = claim.interval[size]
-    number = f"{size} = {value:.3g} ({low:.3g} to {high:.3g})"
+    number = size(claim, next(iter(claim.parameters)))
     if not claim.look_alikes:
         return number
     return f"{number}, which these data cannot tell from {' or '.join(claim.look_alikes)}"
