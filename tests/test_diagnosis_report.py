@@ -103,6 +103,7 @@ def test_the_next_loads_go_on_from_the_result(done, capsys) -> None:
     ("words", "said"),
     [
         (["next", "none.json"], "none.json: cannot be read"),
+        (["next", "none.json"], "ecm-fast diagnose DATA --out DIR writes DIR/diagnose.json"),
         (["next", "{file}", "--add-ons", "masss"], "did you mean 'mass'"),
         (["next", "{file}", "--minutes", "0"], "minutes = 0"),
     ],
@@ -123,3 +124,40 @@ def test_a_wrong_unit_stops_the_command(done, capsys, tmp_path) -> None:
     (tmp_path / "run.csv").write_text(text.replace(",x_m,", ",x_mm,"), encoding="utf-8")
     assert main(["diagnose", str(tmp_path / "run.csv"), "--out", str(tmp_path)]) == 2
     assert "label it x_m" in capsys.readouterr().err
+
+
+def test_a_folder_stands_for_the_result_in_it(done, capsys) -> None:
+    answers = []
+    for place in (done, done / "diagnose.json"):
+        assert main(["next", str(place), "--minutes", "2", "--add-ons", "nothing", "--json"]) == 0
+        answers.append(json.loads(capsys.readouterr().out))
+    assert answers[0] == answers[1]
+    assert main(["next", str(done.parent)]) == 2
+    assert str(done.parent / "diagnose.json") in capsys.readouterr().err
+
+
+def test_a_page_that_fails_loses_nothing(done, capsys, monkeypatch, tmp_path) -> None:
+    def fail(*_, **__):
+        raise RuntimeError("no picture")
+
+    monkeypatch.setattr("ecm_fast.diagnosis_report.write_diagnosis", fail)
+    words = ["diagnose", str(done.parent / "run.csv"), "--out", str(tmp_path), "--candidates", "stiffness_taper"]
+    assert main([*words, "--json"]) == 1
+    out, err = capsys.readouterr()
+    assert "RuntimeError: no picture" in err.splitlines()[-1]
+    written = json.loads((tmp_path / "diagnose.json").read_text(encoding="utf-8"))
+    assert json.loads(out) == written
+    assert written["effects"][0]["name"] == "stiffness_taper"
+    assert Mechanism.from_toml(tmp_path / "mechanism.toml").effects["stiffness_taper"] != 0.0
+
+
+def test_few_rows_beside_many_are_no_warning(done, capsys, tmp_path) -> None:
+    lines = (done.parent / "run.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    for name, part in {"few.csv": lines[:9], "many.csv": [lines[0], *lines[9:]]}.items():
+        (tmp_path / name).write_text("".join(part), encoding="utf-8")
+    words = ["diagnose", str(tmp_path / "few.csv"), "--candidates", "precurvature", "--out", str(tmp_path)]
+    both = [*words[:2], str(tmp_path / "many.csv"), *words[2:]]
+    assert main(words) == 0
+    assert "30 rows or more" in capsys.readouterr().err
+    assert main(both) == 0
+    assert "30 rows or more" not in capsys.readouterr().err

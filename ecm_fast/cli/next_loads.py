@@ -16,7 +16,7 @@ __all__ = ["COMMAND"]
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("result", metavar="RESULT", help="diagnose.json, as diagnose --out DIR writes it")
+    parser.add_argument("result", metavar="RESULT", help="DIR or DIR/diagnose.json, as diagnose --out DIR writes it")
     parser.add_argument("--minutes", type=finite_number, default=20.0, metavar="M", help="time there is; default 20")
     parser.add_argument("--repeats", type=count, default=3, metavar="N", help="readings of each load; default 3")
     parser.add_argument(
@@ -52,10 +52,12 @@ def _run(args: argparse.Namespace) -> Answer:
 
 
 def _read(path: str) -> dict[str, Any]:
+    place = Path(path) / "diagnose.json" if Path(path).is_dir() else Path(path)
     try:
-        result = json.loads(Path(path).read_text(encoding="utf-8"))
+        result = json.loads(place.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read as the result of a diagnosis ({why(error)})") from None
+        raise InputError(f"{place}: cannot be read as the result of a diagnosis ({why(error)}); "
+                         f"ecm-fast diagnose DATA --out DIR writes DIR/diagnose.json") from None  # fmt: skip
     missing = [name for name in ("inputs", "models", "noise") if not isinstance(result, dict) or name not in result]
     if missing:
         raise InputError(
