@@ -136,6 +136,16 @@ def test_a_folder_stands_for_the_result_in_it(done, capsys) -> None:
     assert str(done.parent / "diagnose.json") in capsys.readouterr().err
 
 
+def test_a_name_alone_is_checked_against_its_nearest_rivals(done, capsys, tmp_path) -> None:
+    result = json.loads((done / "diagnose.json").read_text(encoding="utf-8"))
+    single = [model for model in result["models"] if len(model["names"]) == 1 and not model["refused"]]
+    result["models"] = [{**model, "in_set": model is single[0]} for model in single[:3]]
+    (tmp_path / "diagnose.json").write_text(json.dumps(result), encoding="utf-8")
+    assert main(["next", str(tmp_path), "--minutes", "4", "--add-ons", "wrench"]) == 0
+    first, *rest = (model["names"][0] for model in single[:3])
+    assert capsys.readouterr().out.startswith(f"to check {first} against its nearest rivals: {', '.join(rest)}\n")
+
+
 def test_a_page_that_fails_loses_nothing(done, capsys, monkeypatch, tmp_path) -> None:
     def fail(*_, **__):
         raise RuntimeError("no picture")
