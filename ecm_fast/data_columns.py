@@ -198,7 +198,8 @@ def _named(name: str, place: int) -> tuple[Column, str]:
         raise InputError(f"column {_shown(name)}: {wrong}; allowed are {', '.join(column.names)}, or {ignore}")
     every = [allowed for column in COLUMNS.values() for allowed in column.names]
     meant = next((allowed for allowed in every if allowed.lower() == name.lower()), name[:60])
-    hint = _tendon(name) or did_you_mean(meant, every) or f" (known are {', '.join(column.names[0] for column in COLUMNS.values())})"
+    known = ", ".join(column.names[0] for column in COLUMNS.values())
+    hint = _tendon(name) or did_you_mean(meant, every) or f" (known are {known})"
     raise InputError(f"unknown column {_shown(name)}{hint}; {ignore}")
 
 

@@ -356,7 +356,10 @@ SOLVE = ("solve", "--tendons", "1", "2")
             "argument --prior: expected 3 arguments, NAME VALUE STD, such as --prior GA 2420 120; "
             "see ecm-fast diagnose --help",
         ),
-        ((*SOLVE, "--wrench", "1", "2"), "argument --wrench: expected 3 arguments, FX FZ TAU; see ecm-fast solve --help"),
+        (
+            (*SOLVE, "--wrench", "1", "2"),
+            "argument --wrench: expected 3 arguments, FX FZ TAU; see ecm-fast solve --help",
+        ),
         ((*SOLVE, "3"), "unknown argument '3'; see ecm-fast solve --help"),
         ((*SOLVE, ""), "unknown argument ''; see ecm-fast solve --help"),
         ((*SOLVE, "-3"), "unknown argument '-3'; see ecm-fast solve --help"),

@@ -7,9 +7,8 @@ from ecm_fast.diagnosis.parts import Claim, Gap, Model, Rms
 from ecm_fast.diagnosis.transfer_result import Transfer
 from ecm_fast.diagnosis.words import sentence
 
-CLAIM = Claim(
-    "clamp_rotation_compliance", {"clamp_rotation_compliance": 0.00152}, {"clamp_rotation_compliance": (0.00143, 0.00161)},
-    (), "even", "compliance ratio", 28.3, 1.0)  # fmt: skip
+NAME = "clamp_rotation_compliance"
+CLAIM = Claim(NAME, {NAME: 0.00152}, {NAME: (0.00143, 0.00161)}, (), "even", "compliance ratio", 28.3, 1.0)
 EXACT = Rms(1e-4, 1e-4, 1e-3, 1.0)
 
 
@@ -28,7 +27,7 @@ def said(*tests):
 
 
 def test_a_size_has_its_unit_its_interval_and_its_meaning() -> None:
-    line = size(CLAIM, "clamp_rotation_compliance")
+    line = size(CLAIM, NAME)
     assert line == "clamp_rotation_compliance = 0.00152 rad/(N m) (90 %: 0.00143 to 0.00161)"
     assert meaning(CLAIM) == "the clamp turns under the beam's couple"
 
@@ -47,8 +46,7 @@ def test_the_next_best_is_the_first_that_can_be_meant_outside_of_the_set() -> No
 
 
 def test_what_fails_comes_first_and_what_holds_comes_last() -> None:
-    name = "clamp_rotation_compliance"
-    assert said(shown(7.0)).startswith(f"{name} does NOT carry over to side.csv: 7 times the noise is left (18 without")
+    assert said(shown(7.0)).startswith(f"{NAME} does NOT carry over to side.csv: 7 times the noise is left (18 without")
     assert "Fit both" in said(shown(7.0))
     assert "within their doubt" not in said(shown(7.0))
     assert "within their doubt" in said(shown(7.0, adapted=1.1))

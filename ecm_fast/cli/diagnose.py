@@ -29,7 +29,10 @@ def _add_common(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("data", nargs="+", metavar="DATA", help="measurements: .csv, .parquet or .mat")
     parser.add_argument("--mechanism", metavar="F", help="mechanism file (TOML); default: the preset 'slender'")
     parser.add_argument(
-        "--candidates", nargs="+", metavar="NAME", help="the only names that the answer may give, say one to try it alone; default: the whole catalogue"
+        "--candidates",
+        nargs="+",
+        metavar="NAME",
+        help="the only names that the answer may give, say one to try it alone; default: the whole catalogue",
     )
     parser.add_argument(
         "--uncertain",
@@ -51,7 +54,11 @@ def _add_common(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--force-sigma", type=finite_number, metavar="N", help="noise of the force readings [N]")
     parser.add_argument(
-        "--alpha", type=finite_number, default=0.01, metavar="A", help="chance that data which lack nothing raise an alarm; default 0.01, smaller: fewer alarms, less is found"
+        "--alpha",
+        type=finite_number,
+        default=0.01,
+        metavar="A",
+        help="chance that data which lack nothing raise an alarm; default 0.01, smaller: fewer alarms, less is found",
     )
 
 

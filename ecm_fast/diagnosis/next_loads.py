@@ -59,4 +59,5 @@ def next_loads(
     if noise.shape != (3,) or not (noise > 0.0).all():
         raise InputError(f"sigma = {shown(list(sigma))}: allowed are three positive numbers [m, m, rad]")
     chosen_from = pool or Pool.of()
-    return Race(rivals, data, chosen_from, (noise, force_sigma), priors or {}, first_alone=first_alone).run(minutes, repeats)
+    race = Race(rivals, data, chosen_from, (noise, force_sigma), priors or {}, first_alone=first_alone)
+    return race.run(minutes, repeats)

@@ -213,8 +213,12 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
         remainder=left,
         outliers=tuple((problem.rows.where(i), reason) for i, reason in lost),
         missing=missing,
-        warnings=(*not_carried(tests, [claim.name for claim in effects]), *found.doubts, *nearest(found),
-                  *stiffness_doubts(calibrated_now, problem.mechanism)),  # fmt: skip
+        warnings=(
+            *not_carried(tests, [claim.name for claim in effects]),
+            *found.doubts,
+            *nearest(found),
+            *stiffness_doubts(calibrated_now, problem.mechanism),
+        ),
         alarms=alarms(found),
         rows=_rows(problem, opened, calibrated, view, far),
         seconds=time.perf_counter() - begin,

@@ -60,4 +60,3 @@ def _adapted(opened: Opened, after: State, fit: Fit, whitened: Array) -> float:
     root = jacobian @ (vector * np.sqrt(np.maximum(value, 0.0)))
     step = np.linalg.solve(np.eye(root.shape[1]) + root.T @ root, root.T @ residual)
     return float(np.sqrt((residual @ residual - (root.T @ residual) @ step) / residual.size))
-

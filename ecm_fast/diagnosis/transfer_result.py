@@ -1,5 +1,6 @@
 """What a diagnosis says of experiments that were never fitted."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +21,7 @@ def allowed(readings: int) -> float:
     """
     from scipy.special import chdtri
 
-    return max(float(chdtri(readings, _CHANCE) / readings) ** 0.5, _LEAST)
+    return max(math.sqrt(float(chdtri(readings, _CHANCE)) / readings), _LEAST)
 
 
 @dataclass(frozen=True)

@@ -156,7 +156,8 @@ def _effects(found: Diagnosis) -> Table:
             low, high = claim.interval[name]
             rows.append((_with_unit(name), value, low, high, claim.sigmas, MIRRORS[claim.mirror], claim.family, others))
     rows += [
-        (_with_unit(name), entry.value, entry.lower, entry.upper, None, "", "", "") for name, entry in found.calibration.items()
+        (_with_unit(name), entry.value, entry.lower, entry.upper, None, "", "", "")
+        for name, entry in found.calibration.items()
     ]
     head = ("parameter", "value", "lower", "upper", "sigma from 0", "mirror", "family", "look-alikes")
     return Table("What was found, with 90 % intervals", head, tuple(rows))
