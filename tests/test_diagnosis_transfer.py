@@ -71,7 +71,7 @@ def test_a_calibration_that_may_move_is_told_from_a_wrong_name(bent, side):
     assert found.names == ("precurvature",)
     assert not entry.carries_over
     assert entry.adapted <= entry.allowed
-    assert "moved within their doubt" in found.sentence
+    assert "not known well enough to tell" in found.sentence
 
 
 def test_what_is_left_within_the_doubt_is_a_distance_of_mahalanobis(bent):

@@ -1,6 +1,7 @@
 """What a reader is told of a claim, made by hand."""
 
 import math
+from dataclasses import replace
 
 from ecm_fast.diagnosis.claim_words import meaning, next_best, size
 from ecm_fast.diagnosis.parts import Claim, Gap, Model, Rms
@@ -43,15 +44,17 @@ def test_the_next_best_is_the_first_that_can_be_meant_outside_of_the_set() -> No
     assert next_best([models[0], models[3]], ["x"]) == "next best: soft_spot, 1 : more than 10000"
     assert "can be meant" in next_best(models[:2], ["x"])
     assert next_best(models, []) == ""
+    assert next_best(models[:1], ["x"]) == ""  # nothing else was tried
 
 
 def test_what_fails_comes_first_and_what_holds_comes_last() -> None:
     assert said(shown(7.0)).startswith(f"{NAME} does NOT carry over to side.csv: 7 times the noise is left (18 without")
     assert "Fit both" in said(shown(7.0))
-    assert "within their doubt" not in said(shown(7.0))
-    assert "within their doubt" in said(shown(7.0, adapted=1.1))
+    assert "within their doubt 5 are left. Fit" in said(shown(7.0))
+    assert "within their doubt 1.1 are left: they are not known well enough" in said(shown(7.0, adapted=1.1))
     assert said(shown(1.1)).startswith("The data ask for")
     assert "which is proof" in said(shown(1.1))
+    assert "1 more left out as outliers" in said(replace(shown(1.1), left_out=1))
     assert "proves nothing" in said(shown(1.1, before=1.2))
     assert "set aside" in said()
     assert "locked" not in said()

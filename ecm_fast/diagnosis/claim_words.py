@@ -34,13 +34,14 @@ def meaning(claim: Claim) -> str:
 
 
 def next_best(models: Sequence[Model], names: Sequence[str]) -> str:
-    """Return the best explanation that is none of a look-alike set, with its odds; empty without effects.
+    """Return the best explanation that is none of a look-alike set, with its odds; empty where no other was fitted.
 
     The odds are those of the evidence: explanations are equally likely before the data speak.
     """
-    if not names:
+    others = [model for model in models if len(model.names) == len(names) and not model.in_set]
+    rest = [model for model in others if not model.refused]
+    if not names or not others:
         return ""
-    rest = [model for model in models if len(model.names) == len(names) and not (model.refused or model.in_set)]
     if not rest:
         return "next best: none of the others that were fitted can be meant"
     best = min(rest, key=lambda model: model.behind)

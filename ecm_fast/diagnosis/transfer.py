@@ -45,7 +45,7 @@ def transfer(there: Problem, found: Found, noise: Noise, seed: int) -> Transfer 
     whitened = opened.whitened(opened.after)
     whitened[far] = np.nan
     own, count = _adapted(opened, after, found.best, whitened), int(np.isfinite(whitened).sum())
-    return Transfer(**vars(shown_gap), allowed=allowed(count), adapted=own)
+    return Transfer(**vars(shown_gap), allowed=allowed(count), adapted=own, left_out=int(far.size))
 
 
 def _adapted(opened: Opened, after: State, fit: Fit, whitened: Array) -> float:

@@ -32,10 +32,12 @@ class Transfer(Gap):
     ----------
     allowed : root mean square [sigma] up to which a model meets the experiment, see `allowed`
     adapted : what is left of `after` where all that was fitted may move within its doubt [sigma]
+    left_out : rows that count nowhere here, as outliers
     """
 
     allowed: float
     adapted: float
+    left_out: int = 0
 
     @property
     def carries_over(self) -> bool:
@@ -49,7 +51,7 @@ class Transfer(Gap):
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the entry of ``transfer`` in a diagnosis's JSON."""
-        own = {name: getattr(self, name) for name in ("allowed", "adapted", "carries_over", "proves")}
+        own = {name: getattr(self, name) for name in ("allowed", "adapted", "left_out", "carries_over", "proves")}
         return {**super().to_json_dict(), **own}
 
 
@@ -61,12 +63,12 @@ def not_carried(found: Sequence[Transfer], names: Sequence[str]) -> tuple[str, .
 def _missed(entry: Transfer, names: Sequence[str]) -> str:
     what = " with ".join(names) or "The calibrated model"
     without = f" ({entry.before.sigma:.3g} without it)" if names else ""
-    why = ""
+    own = "EA, GA, EI and its size" if names else "EA, GA and EI"
+    moved = f"With {own} moved within their doubt {entry.adapted:.3g} are left"
     if entry.adapted <= entry.allowed:
-        why = (" EA, GA and EI, moved within their doubt, would bring it there, so this speaks of the calibration "
-               "before it speaks of the effect.")  # fmt: skip
+        moved = f"{moved}: they are not known well enough to tell, so this refutes nothing yet"
     return (f"{what} does NOT carry over to {_short(entry)}: {entry.after.sigma:.3g} times the noise is left"
-            f"{without}, where about 1 is expected and {entry.allowed:.3g} allowed.{why} "
+            f"{without}, where about 1 is expected and {entry.allowed:.3g} allowed. {moved}. "
             f"Fit both: give this file as data beside the other.")  # fmt: skip
 
 
@@ -77,6 +79,7 @@ def carried(found: Sequence[Transfer], names: Sequence[str]) -> tuple[str, ...]:
 
 def _met(entry: Transfer, names: Sequence[str]) -> str:
     after = f"{entry.after.sigma:.3g} times the noise is left in {entry.rows} rows that were never fitted"
+    after += f", {entry.left_out} more left out as outliers" if entry.left_out else ""
     if not names:
         return f"The calibrated model carries over to {_short(entry)}: {after}."
     what = " with ".join(names)
