@@ -48,7 +48,7 @@ class Estimate:
     def rounded(self) -> str:
         """Value and standard deviation with the unit, both to the second digit of the latter."""
         unit = "" if self.unit == "-" else f" {self.unit}"
-        return f"{self._text(self.value)} +- {self._text(self.std) if self.std < math.inf else 'inf'}{unit}"
+        return f"{self._text(self.value)} +- {self._text(self.std)}{unit}"
 
     def _text(self, number: float) -> str:
         """Return a number with as many decimals as the standard deviation deserves."""
