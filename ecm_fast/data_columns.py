@@ -198,5 +198,16 @@ def _named(name: str, place: int) -> tuple[Column, str]:
         raise InputError(f"column {_shown(name)}: {wrong}; allowed are {', '.join(column.names)}, or {ignore}")
     every = [allowed for column in COLUMNS.values() for allowed in column.names]
     meant = next((allowed for allowed in every if allowed.lower() == name.lower()), name[:60])
-    hint = did_you_mean(meant, every) or f" (known are {', '.join(column.names[0] for column in COLUMNS.values())})"
+    known = ", ".join(column.names[0] for column in COLUMNS.values())
+    hint = _tendon(name) or did_you_mean(meant, every) or f" (known are {known})"
     raise InputError(f"unknown column {_shown(name)}{hint}; {ignore}")
+
+
+def _tendon(name: str) -> str:
+    """Return a hint where a name speaks of a left or a right force."""
+    words = name.lower().split("_")
+    side = next((side for side in ("left", "right") if side in words), "")
+    units = {unit.lower() for column in COLUMNS.values() for unit in column.units}
+    if not side or (words[-1] in units and words[-1] not in map(str.lower, FORCE)):
+        return ""
+    return f" (did you mean 'lam_{side[0]}_N'?)"

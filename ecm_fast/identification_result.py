@@ -1,5 +1,6 @@
 """What a fit found: values with intervals, what they rest on, and warnings in words."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -18,6 +19,8 @@ __all__ = ["Estimate", "Identification", "Objective", "Profile"]
 Array = NDArray[np.float64]
 
 _SEARCHES = 12
+_PLACES = 8
+"""Decimals beyond which a number is written with its power of ten."""
 _CLOSE = 1e-3  # of the root that a profile is searched for
 _WIDER = 1.3
 """How much farther than its interval a profile's curve goes."""
@@ -41,9 +44,19 @@ class Estimate:
     upper: float
     unit: str
 
-    def __repr__(self) -> str:
+    @property
+    def rounded(self) -> str:
+        """Value and standard deviation with the unit, both to the second digit of the latter."""
         unit = "" if self.unit == "-" else f" {self.unit}"
-        return f"{self.value:.6g} +- {self.std:.2g}{unit} ({self.lower:.6g} to {self.upper:.6g})"
+        return f"{self._text(self.value)} +- {self._text(self.std)}{unit}"
+
+    def _text(self, number: float) -> str:
+        """Return a number with as many decimals as the standard deviation deserves."""
+        places = 1 - math.floor(math.log10(self.std)) if 0.0 < self.std < math.inf else _PLACES + 1
+        return f"{number:.{max(places, 0)}f}" if places <= _PLACES else f"{number:.6g}"
+
+    def __repr__(self) -> str:
+        return f"{self.rounded} ({self._text(self.lower)} to {self._text(self.upper)})"
 
 
 @dataclass(frozen=True, eq=False)

@@ -339,7 +339,7 @@ SOLVE = ("solve", "--tendons", "1", "2")
         (("42",), f"no command '42'; allowed are {COMMANDS}"),
         (("solve",), "the following arguments are required: --tendons; see ecm-fast solve --help"),
         (("predict",), "the following arguments are required: DATA; see ecm-fast predict --help"),
-        (("solve", "--tendons", "1"), "argument --tendons: expected 2 arguments; see ecm-fast solve --help"),
+        (("solve", "--tendons", "1"), "argument --tendons: expected 2 arguments, L R; see ecm-fast solve --help"),
         (("solve", "--tendons", "nan", "3"), f"argument --tendons: 'nan': {TENSION}"),
         (("solve", "--tendons", "3", "inf"), f"argument --tendons: 'inf': {TENSION}"),
         (("solve", "--tendons", "-1", "3"), f"argument --tendons: '-1': {TENSION}"),
@@ -351,7 +351,15 @@ SOLVE = ("solve", "--tendons", "1", "2")
         (("solve", "--tendons", "3", ""), f"argument --tendons: '': {TENSION}"),
         ((*SOLVE, "--wrench", "1", "-nan", "3"), f"argument --wrench: '-nan': {FINITE}"),
         ((*SOLVE, "--wrench", "1", "a\nb", "3"), f"argument --wrench: 'a\\nb': {FINITE}"),
-        ((*SOLVE, "--wrench", "1", "2"), "argument --wrench: expected 3 arguments; see ecm-fast solve --help"),
+        (
+            ("diagnose", "run.csv", "--prior", "GA", "2420"),
+            "argument --prior: expected 3 arguments, NAME VALUE STD, such as --prior GA 2420 120; "
+            "see ecm-fast diagnose --help",
+        ),
+        (
+            (*SOLVE, "--wrench", "1", "2"),
+            "argument --wrench: expected 3 arguments, FX FZ TAU; see ecm-fast solve --help",
+        ),
         ((*SOLVE, "3"), "unknown argument '3'; see ecm-fast solve --help"),
         ((*SOLVE, ""), "unknown argument ''; see ecm-fast solve --help"),
         ((*SOLVE, "-3"), "unknown argument '-3'; see ecm-fast solve --help"),

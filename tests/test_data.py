@@ -167,6 +167,8 @@ def test_repr(read: Any, tmp_path: Path) -> None:
         ("lam_l_lbf", "column 'lam_l_lbf': 'lbf' is not a unit of lam_l; allowed are lam_l_N, lam_l_kN, lam_l_mN, or"),
         ("sigma_x_deg", "'deg' is not a unit of sigma_x; allowed are sigma_x_m, sigma_x_cm, sigma_x_mm, sigma_x_um"),
         ("lam_left_N", "unknown column 'lam_left_N' (did you mean 'lam_l_N'?); start its name with note_ to have it"),
+        ("left_N", "unknown column 'left_N' (did you mean 'lam_l_N'?); start its name"),
+        ("tendon_right", "unknown column 'tendon_right' (did you mean 'lam_r_N'?); start its name"),
         ("X_mm", "unknown column 'X_mm' (did you mean 'x_mm'?); start its name"),
         ("session_nr", "unknown column 'session_nr' (did you mean 'session'?); start its name"),
         ("0815", "unknown column '0815' (known are lam_l_N, lam_r_N, fx_N, fz_N, tau_Nm, x_m,"),

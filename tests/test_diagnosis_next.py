@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ecm_fast.data import Measurements
-from ecm_fast.diagnosis.next_loads import Rival, fitted_rivals, next_loads
+from ecm_fast.diagnosis.next_loads import Rival, fitted_rivals, in_question, next_loads
 from ecm_fast.diagnosis.pool import Pool
 from ecm_fast.errors import InputError
 from ecm_fast.identification import identify
@@ -61,6 +61,32 @@ def test_what_is_promised_is_what_a_refit_finds(rivals) -> None:
 
 
 LOADS_MEASURED = without_noise(NECK, LOADS)
+
+
+def test_a_name_is_checked_against_others_whose_own_likeness_does_not_count(rivals) -> None:
+    """The third is the second under another name: no load tells them apart, and none has to."""
+    first, second, _ = rivals
+    trio = [first, second, Rival(("again",), second.mechanism, second.free)]
+    chosen = next_loads(trio, [LOADS_MEASURED], minutes=4.0, first_alone=True)
+    assert chosen.suggestions
+    assert chosen.twins == ()
+    loads = with_load(LOADS, chosen.suggestions)
+    apart = [refitted(*pair, loads) for pair in ((first, second), (second, first))]
+    assert chosen.worst_after == pytest.approx(min(apart), rel=0.1, abs=0.1)
+    assert np.isinf(chosen.before[1, 2])
+
+
+def test_the_nearest_that_can_be_meant_come_into_question() -> None:
+    def model(name, behind, *, in_set=False, refused=""):
+        return {"names": [name], "behind": behind, "in_set": in_set, "refused": refused}
+
+    far = [model("e", 30.0), model("b", 6.0), model("c", 7.0), model("d", 8.0), model("f", -1.0, refused="negative")]
+    pair = {"names": ["a", "b"], "behind": 0.0, "in_set": False, "refused": ""}
+    alone = in_question([model("a", 0.0, in_set=True), *far, pair])
+    assert alone == ([("a",), ("b",), ("c",), ("d",)], True)
+    alike = in_question([model("a", 0.0, in_set=True), model("b", 2.0, in_set=True), *far])
+    assert alike == ([("a",), ("b",)], False)
+    assert in_question([]) == ([], False)
 
 
 def test_the_first_load_is_the_best_of_all_by_brute_force(rivals) -> None:

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from html import unescape
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("jinja2")
 
 from ecm_fast.cli import main
+from ecm_fast.effects import CATALOGUE
 from ecm_fast.mechanism import Mechanism
 from ecm_fast.testbed import Sensors, measure, tendon_test
 
@@ -52,8 +54,11 @@ def test_the_first_page_says_verdict_gap_set_and_next(done) -> None:
     assert result["sentence"] in first
     assert "stiffness_taper" in first
     assert "Not distinguishable from" in first
+    name = result["effects"][0]["name"]
+    assert f"{name}: {CATALOGUE[name].size.meaning}; even (same on both sides)" in unescape(first)
+    assert "Next best: " in first
     assert "Measure next" in first
-    assert "locked rows, before" in first
+    assert "rows set aside, before" in first
 
 
 def test_numbers_beside_the_pictures_are_those_of_the_rows(done) -> None:
@@ -98,6 +103,7 @@ def test_the_next_loads_go_on_from_the_result(done, capsys) -> None:
     ("words", "said"),
     [
         (["next", "none.json"], "none.json: cannot be read"),
+        (["next", "none.json"], "ecm-fast diagnose DATA --out DIR writes DIR/diagnose.json"),
         (["next", "{file}", "--add-ons", "masss"], "did you mean 'mass'"),
         (["next", "{file}", "--minutes", "0"], "minutes = 0"),
     ],
@@ -118,3 +124,50 @@ def test_a_wrong_unit_stops_the_command(done, capsys, tmp_path) -> None:
     (tmp_path / "run.csv").write_text(text.replace(",x_m,", ",x_mm,"), encoding="utf-8")
     assert main(["diagnose", str(tmp_path / "run.csv"), "--out", str(tmp_path)]) == 2
     assert "label it x_m" in capsys.readouterr().err
+
+
+def test_a_folder_stands_for_the_result_in_it(done, capsys) -> None:
+    answers = []
+    for place in (done, done / "diagnose.json"):
+        assert main(["next", str(place), "--minutes", "2", "--add-ons", "nothing", "--json"]) == 0
+        answers.append(json.loads(capsys.readouterr().out))
+    assert answers[0] == answers[1]
+    assert main(["next", str(done.parent)]) == 2
+    assert str(done.parent / "diagnose.json") in capsys.readouterr().err
+
+
+def test_a_name_alone_is_checked_against_its_nearest_rivals(done, capsys, tmp_path) -> None:
+    result = json.loads((done / "diagnose.json").read_text(encoding="utf-8"))
+    single = [model for model in result["models"] if len(model["names"]) == 1 and not model["refused"]]
+    result["models"] = [{**model, "in_set": model is single[0]} for model in single[:3]]
+    (tmp_path / "diagnose.json").write_text(json.dumps(result), encoding="utf-8")
+    assert main(["next", str(tmp_path), "--minutes", "4", "--add-ons", "wrench"]) == 0
+    first, *rest = (model["names"][0] for model in single[:3])
+    assert capsys.readouterr().out.startswith(f"to check {first} against its nearest rivals: {', '.join(rest)}\n")
+
+
+def test_a_page_that_fails_loses_nothing(done, capsys, monkeypatch, tmp_path) -> None:
+    def fail(*_, **__):
+        raise RuntimeError("no picture")
+
+    monkeypatch.setattr("ecm_fast.diagnosis_report.write_diagnosis", fail)
+    words = ["diagnose", str(done.parent / "run.csv"), "--out", str(tmp_path), "--candidates", "stiffness_taper"]
+    assert main([*words, "--json"]) == 1
+    out, err = capsys.readouterr()
+    assert "RuntimeError: no picture" in err.splitlines()[-1]
+    written = json.loads((tmp_path / "diagnose.json").read_text(encoding="utf-8"))
+    assert json.loads(out) == written
+    assert written["effects"][0]["name"] == "stiffness_taper"
+    assert Mechanism.from_toml(tmp_path / "mechanism.toml").effects["stiffness_taper"] != 0.0
+
+
+def test_few_rows_beside_many_are_no_warning(done, capsys, tmp_path) -> None:
+    lines = (done.parent / "run.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    for name, part in {"few.csv": lines[:9], "many.csv": [lines[0], *lines[9:]]}.items():
+        (tmp_path / name).write_text("".join(part), encoding="utf-8")
+    words = ["diagnose", str(tmp_path / "few.csv"), "--candidates", "precurvature", "--out", str(tmp_path)]
+    both = [*words[:2], str(tmp_path / "many.csv"), *words[2:]]
+    assert main(words) == 0
+    assert "30 rows or more" in capsys.readouterr().err
+    assert main(both) == 0
+    assert "30 rows or more" not in capsys.readouterr().err

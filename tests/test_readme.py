@@ -4,9 +4,12 @@ import re
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from ecm_fast import Mechanism
 from ecm_fast.__main__ import main
+from ecm_fast.testbed import Sensors, measure, shear_test, tendon_test
 
 ROOT = Path(__file__).resolve().parent.parent
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -23,7 +26,9 @@ def test_python_blocks_run(code, capsys, tmp_path, monkeypatch):
 
 def test_commands_run_in_order(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    Path("run.csv").write_text("lam_l_N,lam_r_N,x_mm\n40,10,107.9\n")
+    neck = Mechanism().replace(pulley_radius=0.005)
+    measure(neck, tendon_test(grid=6, seed=1), Sensors(force_sigma=0.1), seed=1).to_csv("run.csv")
+    measure(neck, shear_test(np.linspace(-60.0, 60.0, 9)), Sensors(force_sigma=0.1), seed=2).to_csv("other.csv")
     Path("sweep.toml").write_text(next(text for kind, text in BLOCKS if kind == "toml"))
     assert COMMANDS[:2] == ["python3 tools/run.py ecm-fast reproduce", "python3 tools/run.py pytest"]
     for command in COMMANDS[2:]:

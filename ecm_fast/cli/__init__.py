@@ -91,6 +91,8 @@ def _run(words: list[str]) -> int:
     text = json.dumps(plain(answer.json), allow_nan=False) if args.json else answer.text
     if text:
         write(sys.stdout, f"{text}\n")
+    for line in answer.after() if answer.after else ():
+        note(line)
     return answer.code
 
 

@@ -39,21 +39,24 @@ class Answer:
     text : the same for a reader: plain ASCII, with units
     notes : lines for stderr
     code : the exit code
+    after : what takes its time and may fail once all that is out; returns further notes
     """
 
     json: Mapping[str, Any]
     text: str
     notes: tuple[str, ...] = ()
     code: int = DONE
+    after: Callable[[], tuple[str, ...]] | None = None
 
 
 @dataclass(frozen=True)
 class Command:
-    """One command: a line of help, its arguments beyond the common ones, and what it does with them."""
+    """One command: a line of help, its arguments beyond the common ones, what it does with them, help on --out."""
 
     summary: str
     add_arguments: Callable[[argparse.ArgumentParser], None]
     run: Callable[[argparse.Namespace], Answer]
+    out: str = "folder for files; made where it is missing"
 
 
 def plain(value: Any) -> Any:

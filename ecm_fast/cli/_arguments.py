@@ -15,12 +15,24 @@ if TYPE_CHECKING:
 __all__ = ["add_model", "count", "discretization", "finite_number", "mechanism", "parse", "tension"]
 
 
+EXAMPLES = {"--prior": "--prior GA 2420 120"}
+"""Of options whose words a reader could not guess."""
+
+
 class _Parser(argparse.ArgumentParser):
     def __init__(self, **options: Any) -> None:
         super().__init__(**options, allow_abbrev=False, epilog=EXIT_CODES)
 
     def error(self, message: str) -> NoReturn:
-        raise InputError(f"{message}; see {self.prog} --help")
+        raise InputError(f"{message}{self._wanted(message)}; see {self.prog} --help")
+
+    def _wanted(self, message: str) -> str:
+        """Return the names of the words that an option takes, where the complaint is about their number."""
+        option = message.removeprefix("argument ").partition(":")[0]
+        names = next((action.metavar for action in self._actions if option in action.option_strings), None)
+        if ": expected " not in message or not isinstance(names, tuple):
+            return ""
+        return f", {' '.join(names)}" + (f", such as {EXAMPLES[option]}" if option in EXAMPLES else "")
 
 
 def parse(words: list[str], commands: Mapping[str, Command]) -> argparse.Namespace:
@@ -63,7 +75,7 @@ def _add_command(parsers: Any, name: str, command: Command) -> list[str]:
     parser: _Parser = parsers.add_parser(word, help=command.summary, description=command.summary)
     command.add_arguments(parser)
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout and nothing else there")
-    parser.add_argument("--out", metavar="DIR", help="folder for files; made where it is missing")
+    parser.add_argument("--out", metavar="DIR", help=command.out)
     parser.add_argument("--plugin", metavar="FILE", help="Python file to run first: it may add effects of your own")
     parser.set_defaults(command=name)
     return [option for action in parser._actions for option in action.option_strings]

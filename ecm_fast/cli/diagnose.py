@@ -1,15 +1,17 @@
 """``ecm-fast diagnose`` and ``ecm-fast plan``: what the model is missing, and what loads could tell of it."""
 
 import argparse
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 from ._answer import DONE, Answer, Command, folder, saved
-from ._arguments import finite_number, mechanism
+from ._arguments import EXAMPLES, finite_number, mechanism
 from ._streams import Waiting
 
 if TYPE_CHECKING:
+    from ..data import Measurements
     from ..diagnosis import Diagnosis, Plan
     from ..diagnosis.next_loads import NextLoads
     from ..mechanism import Mechanism
@@ -27,15 +29,18 @@ def _add_common(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("data", nargs="+", metavar="DATA", help="measurements: .csv, .parquet or .mat")
     parser.add_argument("--mechanism", metavar="F", help="mechanism file (TOML); default: the preset 'slender'")
     parser.add_argument(
-        "--candidates", nargs="+", metavar="NAME", help="names that the answer may give; default: the whole catalogue"
+        "--candidates",
+        nargs="+",
+        metavar="NAME",
+        help="the only names that the answer may give, say one to try it alone; default: the whole catalogue",
     )
     parser.add_argument(
         "--uncertain",
         action="append",
         default=[],
         metavar="NAME[=STD]",
-        help="a parameter, an effect or camera_frame that is known only within STD, or without it not at all; "
-        "may be given several times",
+        help="a parameter, an effect or camera_frame whose value in the mechanism file holds only within STD, or "
+        "without it not at all: it is calibrated along and never named; may be given several times",
     )
     parser.add_argument(
         "--prior",
@@ -43,18 +48,29 @@ def _add_common(parser: argparse.ArgumentParser) -> None:
         default=[],
         nargs=3,
         metavar=("NAME", "VALUE", "STD"),
-        help="what a material test found, with its standard deviation; may be given several times",
+        help="what a material test found of EA, GA, EI or of what is declared uncertain, with its standard "
+        f"deviation: it takes the place of the mechanism file's value ({EXAMPLES['--prior']}); may be given several "
+        "times",
     )
     parser.add_argument("--force-sigma", type=finite_number, metavar="N", help="noise of the force readings [N]")
     parser.add_argument(
-        "--alpha", type=finite_number, default=0.01, metavar="A", help="chance of a false alarm; default 0.01"
+        "--alpha",
+        type=finite_number,
+        default=0.01,
+        metavar="A",
+        help="chance that data which lack nothing raise an alarm; default 0.01, smaller: fewer alarms, less is found",
     )
 
 
 def _add_diagnose(parser: argparse.ArgumentParser) -> None:
     _add_common(parser)
     parser.add_argument(
-        "--test", action="append", default=[], metavar="DATA2", help="measurements never fitted, for the proof"
+        "--test",
+        action="append",
+        default=[],
+        metavar="DATA2",
+        help="measurements that are never fitted: the answer says whether what was found carries over to them; may "
+        "be given several times",
     )
     parser.add_argument("--report", metavar="PAGE", help="write the page here; with --out it is DIR/diagnosis.html")
     parser.add_argument("--exit-code", action="store_true", help=f"end with the verdict's code: {_CODES}")
@@ -96,27 +112,53 @@ def _diagnose(args: argparse.Namespace) -> Answer:
 def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
     from ..data import read_measurements
     from ..diagnosis import diagnose
-    from ..diagnosis.checks import check
 
     neck, common = mechanism(args), _common(args)
-    noticed = [text for data in common["data"] for text in check(neck, data).warnings]
+    noticed = _noticed(neck, common["data"])
     found = diagnose(neck, **common, test=[read_measurements(path) for path in args.test], progress=waiting)
     path = folder(args.out or "out") / "mechanism.toml"
     found.mechanism.to_toml(path)
     waiting("what to measure next")
-    further = _next(neck, found, common)
-    waiting("report")
-    page = _page(args, neck, found, common, further, noticed)
+    further, page = _next(neck, found, common), _page_path(args)
     answer = {
         **found.to_json_dict(),
         "mechanism": str(path),
-        "report": page,
+        "report": None if page is None else str(page),
         "next": [entry.to_json_dict() for entry in further.suggestions] if further else [],
         "inputs": _inputs(args),
     }
     warnings = [f"warning: {text}" for text in (*noticed, *found.warnings, *found.alarms)]
-    notes = (*warnings, f"wrote {path}", *([f"wrote {page}"] if page else []), *saved(args, answer))
-    return Answer(answer, _text(found), notes, VERDICT_CODES[found.verdict] if args.exit_code else DONE)
+    notes = (*warnings, f"wrote {path}", *saved(args, answer))
+    code = VERDICT_CODES[found.verdict] if args.exit_code else DONE
+
+    def draw(page: Path) -> tuple[str, ...]:
+        waiting("report")
+        try:
+            return (f"wrote {_page(page, neck, found, common, further, noticed)}",)
+        finally:
+            waiting.end()
+
+    return Answer(answer, _text(found), notes, code, None if page is None else partial(draw, page))
+
+
+def _noticed(neck: "Mechanism", data: "list[Measurements]") -> list[str]:
+    """Return what is noticed about the measurements; few rows are none where there are enough together."""
+    from ..diagnosis.checks import FEW_ROWS, check
+
+    enough = sum(int(part.measured.any(axis=1).sum()) for part in data) >= FEW_ROWS
+    return [
+        f"{part.source}: {finding}" if len(data) > 1 else str(finding)
+        for part in data
+        for finding in check(neck, part).findings
+        if not (enough and finding.kind == "few rows")
+    ]
+
+
+def _page_path(args: argparse.Namespace) -> Path | None:
+    """Return where the page goes, None where none is asked for."""
+    if args.report:
+        return Path(args.report)
+    return None if args.out is None else folder(args.out) / "diagnosis.html"
 
 
 def _next(neck: "Mechanism", found: "Diagnosis", common: dict[str, Any]) -> "NextLoads | None":
@@ -133,25 +175,22 @@ def _next(neck: "Mechanism", found: "Diagnosis", common: dict[str, Any]) -> "Nex
 
 
 def _page(
-    args: argparse.Namespace,
+    path: Path,
     neck: "Mechanism",
     found: "Diagnosis",
     common: dict[str, Any],
     further: "NextLoads | None",
     noticed: list[str],
-) -> str | None:
-    """Write the page where one is asked for; return its path."""
-    if not args.report and args.out is None:
-        return None
+) -> Path:
+    """Write the page; return its path."""
     from ..diagnosis import plan
     from ..diagnosis.parity import parity
     from ..diagnosis_report import write_diagnosis
 
-    path = Path(args.report) if args.report else folder(args.out) / "diagnosis.html"
     shown = plan(neck, **common)
     tests = parity(common["data"][0], found.rows.before) if len(common["data"]) == 1 else None
-    return str(write_diagnosis(found, neck, path, parity=tests, plan=shown, next_loads=further, notes=noticed,
-                               priors=common["priors"]))  # fmt: skip
+    return write_diagnosis(found, neck, path, parity=tests, plan=shown, next_loads=further, notes=noticed,
+                           priors=common["priors"])  # fmt: skip
 
 
 def _inputs(args: argparse.Namespace) -> dict[str, Any]:
@@ -166,20 +205,24 @@ def _inputs(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _text(found: "Diagnosis") -> str:
+    from ..diagnosis.claim_words import MIRRORS, meaning, next_best, size
+
     lines = [f"{found.verdict}: {found.sentence}"]
     for claim in found.effects:
-        lines += [f"{n} = {v:.6g} ({claim.interval[n][0]:.6g} to {claim.interval[n][1]:.6g})"
-                  for n, v in claim.parameters.items()]  # fmt: skip
+        lines += [size(claim, name) for name in claim.parameters]
         others = ", ".join(claim.look_alikes) or "none"
-        lines.append(f"  {claim.sigmas:.1f} sigma, {claim.mirror}, family: {claim.family}; look-alikes: {others}")
+        lines += [f"  {meaning(claim)}", f"  {claim.sigmas:.1f} sigma, {MIRRORS[claim.mirror]}, family: {claim.family}",
+                  f"  look-alikes: {others}"]  # fmt: skip
+    lines += [f"  {text}" for text in [next_best(found.models, found.names)] if text]
     lines += [f"{name} {estimate}" for name, estimate in found.calibration.items()]
     if found.gap:
         for name in ("before", "after", "floor"):
             rms = getattr(found.gap, name)
-            lines.append(f"locked rows, {name}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
+            lines.append(f"rows set aside, {name}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
                          f"theta {1e3 * rms.theta:.3g} mrad, {rms.sigma:.3g} sigma")  # fmt: skip
     for gap in found.transfer:
-        lines.append(f"never fitted, {gap.what}: {gap.before.sigma:.3g} sigma before, {gap.after.sigma:.3g} after")
+        lines.append(f"never fitted, {gap.what}: {gap.before.sigma:.3g} sigma before, {gap.after.sigma:.3g} after; "
+                     f"allowed {gap.allowed:.3g}")  # fmt: skip
     if found.verdict == "nothing_found":
         smallest = sorted((s for s in found.sights if s.sigmas > 0.0), key=lambda s: s.smallest / s.typical)
         lines += [f"would have been found: {s.name} from {s.smallest:.3g} {s.unit}" for s in smallest[:_SHOWN]]
@@ -206,6 +249,10 @@ def _plan_text(found: "Plan") -> str:
 
 
 DIAGNOSE = Command(
-    "find which effect the model is missing, with its look-alikes and the proof", _add_diagnose, _diagnose
+    "find which effect the model is missing, with its look-alikes and the proof",
+    _add_diagnose,
+    _diagnose,
+    "folder for mechanism.toml (the neck with what was found), diagnose.json (for next) and the page diagnosis.html; "
+    "made where it is missing; without it only out/mechanism.toml is written",
 )
 PLAN = Command("say which effects loads can show, before anything is measured", _add_common, _plan)

@@ -16,7 +16,7 @@ __all__ = ["COMMAND"]
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("result", metavar="RESULT", help="diagnose.json, as diagnose --out DIR writes it")
+    parser.add_argument("result", metavar="RESULT", help="DIR or DIR/diagnose.json, as diagnose --out DIR writes it")
     parser.add_argument("--minutes", type=finite_number, default=20.0, metavar="M", help="time there is; default 20")
     parser.add_argument("--repeats", type=count, default=3, metavar="N", help="readings of each load; default 3")
     parser.add_argument(
@@ -29,7 +29,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(args: argparse.Namespace) -> Answer:
     from ..data import read_measurements
-    from ..diagnosis.next_loads import Pool, next_loads, rivals_of
+    from ..diagnosis.next_loads import Pool, in_question, next_loads, rivals_of
     from ..mechanism import Mechanism
 
     result = _read(args.result)
@@ -37,7 +37,7 @@ def _run(args: argparse.Namespace) -> Answer:
     neck = Mechanism.preset() if inputs["mechanism"] is None else Mechanism.from_toml(inputs["mechanism"])
     data = [read_measurements(path) for path in inputs["data"]]
     priors = {name: (float(value), float(std)) for name, (value, std) in inputs["priors"].items()}
-    sets = [entry["names"] for entry in result["models"] if entry["in_set"]]
+    sets, alone = in_question(result["models"])
     pool = Pool.of(args.add_ons) if args.add_ons else None
     sigma, force = result["noise"]["sigma"], result["noise"]["force"] or 0.0
     rivals = rivals_of(neck, data, sets, priors=priors, force_sigma=force)
@@ -47,15 +47,17 @@ def _run(args: argparse.Namespace) -> Answer:
         return Answer(answer, text, saved(args, answer))
     known = [value or least for value, least in zip(sigma, (1e-4, 1e-4, 1e-3), strict=True)]
     found = next_loads(rivals, data, sigma=known, force_sigma=force, minutes=args.minutes, repeats=args.repeats,
-                       priors=priors, pool=pool)  # fmt: skip
-    return Answer(found.to_json_dict(), _text(found), (*found.remarks, *saved(args, found.to_json_dict())))
+                       priors=priors, pool=pool, first_alone=alone)  # fmt: skip
+    return Answer(found.to_json_dict(), _text(found, alone), (*found.remarks, *saved(args, found.to_json_dict())))
 
 
 def _read(path: str) -> dict[str, Any]:
+    place = Path(path) / "diagnose.json" if Path(path).is_dir() else Path(path)
     try:
-        result = json.loads(Path(path).read_text(encoding="utf-8"))
+        result = json.loads(place.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read as the result of a diagnosis ({why(error)})") from None
+        raise InputError(f"{place}: cannot be read as the result of a diagnosis ({why(error)}); "
+                         f"ecm-fast diagnose DATA --out DIR writes DIR/diagnose.json") from None  # fmt: skip
     missing = [name for name in ("inputs", "models", "noise") if not isinstance(result, dict) or name not in result]
     if missing:
         raise InputError(
@@ -64,8 +66,11 @@ def _read(path: str) -> dict[str, Any]:
     return dict(result)
 
 
-def _text(found: "NextLoads") -> str:
-    lines = [f"to tell apart: {', '.join(found.names)}", f"now at least {found.worst_before:.1f} sigma apart"]
+def _text(found: "NextLoads", alone: bool) -> str:
+    first, *rest = found.names
+    aim = f"to check {first} against its nearest rivals: {', '.join(rest)}"
+    lines = [aim if alone else f"to tell apart: {', '.join(found.names)}",
+             f"now at least {found.worst_before:.1f} sigma apart"]  # fmt: skip
     for i, entry in enumerate(found.suggestions, start=1):
         loads = ", ".join(f"{name} {value:g}" for name, value in entry.loads.items())
         mount = "" if entry.mount == "nothing" else f", mount: {entry.mount}"

@@ -4,7 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..identification_result import Estimate
 from ..parameters import find
+from ..quantity import Quantity
 from .compliance import STIFFNESSES
 from .search import Found
 
@@ -32,9 +34,16 @@ def _priors(found: Found) -> Iterator[str]:
             offset = (fit.values[i] - center) * (1.0 + own[i, i] / std**2)
             off = offset / np.sqrt(own[i, i] + std**2)
         if abs(off) > _FAR:
-            entry = find(problem.keys[i])
-            yield (f"without any effect the data want {entry.name} = {center + offset:.4g} {entry.unit}, "
-                   f"{abs(off):.1f} standard deviations from {center:.4g} +- {std:.2g}")  # fmt: skip
+            yield _away(find(problem.keys[i]), center, std, center + offset, abs(off))
+
+
+def _away(entry: Quantity, center: float, std: float, wanted: float, off: float) -> str:
+    prior = Estimate(center, std, center, center, entry.unit)
+    known = f"{off:.1f} standard deviations from {prior.rounded}"
+    least = max(entry.lower, 0.0)
+    if wanted <= least and entry.key in STIFFNESSES:
+        return f"without any effect no physical {entry.name} fits the data: they want it below {least:g}, {known}"
+    return f"without any effect the data want {entry.name} = {wanted:.4g} {entry.unit}, {known}"
 
 
 def _range(found: Found) -> Iterator[str]:

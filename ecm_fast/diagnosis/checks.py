@@ -17,12 +17,12 @@ from .labels import label_findings
 from .many import ENOUGH
 from .pairs import load_table, smooth
 
-__all__ = ["Checks", "Finding", "check", "findings", "thinned"]
+__all__ = ["FEW_ROWS", "Checks", "Finding", "check", "findings", "thinned"]
 
 Array = NDArray[np.float64]
 
 _CHANNELS = ("x", "z", "theta")
-_FEW_ROWS = 30
+FEW_ROWS = 30
 _MANY_ROWS = 3000
 _OUTLIER = 8.0
 _FEWEST_FOR_OUTLIERS = 40
@@ -173,11 +173,11 @@ def _loads(data: Measurements) -> list[Finding]:
 
 def _rows(data: Measurements) -> list[Finding]:
     count = int(data.measured.any(axis=1).sum())
-    if count < _FEW_ROWS:
+    if count < FEW_ROWS:
         readings = int(data.measured.sum())
         sentence = f"{count} rows with {readings} readings: three stiffnesses and one effect leave "
         sentence += f"{max(readings - 4, 0)} to check them by"
-        return [Finding("few rows", (), sentence, f"{_FEW_ROWS} rows or more carry names")]
+        return [Finding("few rows", (), sentence, f"{FEW_ROWS} rows or more carry names")]
     if count > _MANY_ROWS:
         return [Finding("many rows", (), f"{count} rows", f"the search goes by {ENOUGH} of them, as many of each "
                         "region of loads as there are; what it finds is fitted to all and judged by all")]  # fmt: skip

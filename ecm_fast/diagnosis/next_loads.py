@@ -14,9 +14,9 @@ from ..errors import InputError, shown
 from .next_race import Race
 from .next_result import NextLoads, Suggestion
 from .pool import Pool
-from .rivals import Rival, fitted_rivals, rivals_of
+from .rivals import Rival, fitted_rivals, in_question, rivals_of
 
-__all__ = ["NextLoads", "Pool", "Rival", "Suggestion", "fitted_rivals", "next_loads", "rivals_of"]
+__all__ = ["NextLoads", "Pool", "Rival", "Suggestion", "fitted_rivals", "in_question", "next_loads", "rivals_of"]
 
 
 def next_loads(
@@ -29,6 +29,7 @@ def next_loads(
     repeats: int = 3,
     priors: Mapping[str, tuple[float, float]] | None = None,
     pool: Pool | None = None,
+    first_alone: bool = False,
 ) -> NextLoads:
     """Choose loads that tell explanations apart, the most certainty per minute first.
 
@@ -42,6 +43,7 @@ def next_loads(
     repeats : readings of each load
     priors : value and standard deviation from material tests, by name
     pool : loads to choose from; default tendons with every add-on, and wrenches
+    first_alone : tell the first explanation from every other one, not these from each other
 
     Raises
     ------
@@ -57,4 +59,5 @@ def next_loads(
     if noise.shape != (3,) or not (noise > 0.0).all():
         raise InputError(f"sigma = {shown(list(sigma))}: allowed are three positive numbers [m, m, rad]")
     chosen_from = pool or Pool.of()
-    return Race(rivals, data, chosen_from, (noise, force_sigma), priors or {}).run(minutes, repeats)
+    race = Race(rivals, data, chosen_from, (noise, force_sigma), priors or {}, first_alone=first_alone)
+    return race.run(minutes, repeats)

@@ -31,7 +31,7 @@ _HOPE = 3.0
 
 
 class Race:
-    """All ordered pairs of rivals, and what each load of the pool adds to their distances.
+    """Ordered pairs of rivals, all or those with the first one, and what each load of the pool adds to their distances.
 
     The second one of a pair is refitted in full to what the first one says of all loads that are measured or chosen;
     only the step to a load that is not chosen yet is linear.
@@ -44,11 +44,14 @@ class Race:
         pool: Pool,
         noise: tuple[Array, float],
         priors: Mapping[str, tuple[float, float]],
+        *,
+        first_alone: bool = False,
     ) -> None:
         self.rivals, self.pool, self.priors = rivals, pool, priors
         self.sigma, self.force = noise
         self.data = [*data]
-        self.pairs = [(i, j) for i in range(len(rivals)) for j in range(len(rivals)) if i != j]
+        every = [(i, j) for i in range(len(rivals)) for j in range(len(rivals)) if i != j]
+        self.pairs = [pair for pair in every if 0 in pair] if first_alone else every
         self.blank = pool.data
         self.options = [_at(rival.mechanism, (), [self.blank]) for rival in rivals]
         self.feasible = np.logical_and.reduce([state.stable for state in self.options])
@@ -154,7 +157,7 @@ class Race:
                     one[0] += repeats * one[1 + load]
 
     def _square(self, squared: Array) -> Array:
-        out = np.zeros((len(self.rivals), len(self.rivals)))
+        out = np.where(np.eye(len(self.rivals), dtype=bool), 0.0, np.inf)
         for (i, j), value in zip(self.pairs, squared, strict=True):
             out[i, j] = np.sqrt(value)
         return out

@@ -50,7 +50,8 @@ class NextLoads:
     Attributes
     ----------
     names : of the explanations
-    before, after : (m, m) sigmas by which the second one, fitted, misses the first one; 0 on the diagonal
+    before, after : (m, m) sigmas by which the second one, fitted, misses the first one; 0 on the diagonal, inf
+        where a pair was not asked for
     suggestions : in the order of measurement
     alone : by add-on, the distance that its best load buys alone
     twins : pairs that no load of the pool tells apart in the time there is; distances in the set leave them out
@@ -81,7 +82,7 @@ class NextLoads:
         return self._worst(self.after)
 
     def _worst(self, distances: Array) -> float:
-        left_out = np.eye(len(self.names), dtype=bool)
+        left_out = np.eye(len(self.names), dtype=bool) | np.isinf(distances)
         for one, other in self.twins:
             i, j = self.names.index(one), self.names.index(other)
             left_out[[i, j], [j, i]] = True

@@ -8,6 +8,7 @@ from typing import Any
 from ..identification_result import Estimate
 from ..mechanism import Mechanism
 from .parts import Claim, Gap, Gate, Model, Noise, Remainder, Rms, Rows, Sight, Verdict, Where
+from .transfer_result import Transfer
 
 __all__ = [
     "Claim",
@@ -20,6 +21,7 @@ __all__ = [
     "Rms",
     "Rows",
     "Sight",
+    "Transfer",
     "Verdict",
     "Where",
     "plain",
@@ -60,7 +62,7 @@ class Diagnosis:
     before: Mapping[str, Estimate]
     mechanism: Mechanism
     gap: Gap | None
-    transfer: tuple[Gap, ...]
+    transfer: tuple[Transfer, ...]
     models: tuple[Model, ...]
     gates: tuple[Gate, ...]
     sights: tuple[Sight, ...]
@@ -114,7 +116,7 @@ class Diagnosis:
         lines += [f"  {name} {estimate}" for name, estimate in self.calibration.items()]
         if self.gap:
             parts = (f"{name} {getattr(self.gap, name).sigma:.3g}" for name in ("before", "after", "floor"))
-            lines.append(f"  gap on {self.gap.rows} locked rows [sigma]: {', '.join(parts)}")
+            lines.append(f"  gap on {self.gap.rows} rows set aside [sigma]: {', '.join(parts)}")
         lines += [f"  warning: {text}" for text in (*self.warnings, *self.alarms)]
         return "\n".join(lines) + ">"
 

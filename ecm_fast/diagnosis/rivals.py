@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,11 +13,13 @@ from ..identification import identify
 from ..mechanism import Mechanism
 from ..parameters import index, pack
 
-__all__ = ["STIFFNESSES", "Rival", "fitted_rivals", "rivals_of"]
+__all__ = ["STIFFNESSES", "Rival", "fitted_rivals", "in_question", "rivals_of"]
 
 STIFFNESSES = ("EA", "GA", "EI")
 _MOST = 5
 """Every ordered pair of them is refitted."""
+_NEAREST = 3
+"""So many others check a name that stands alone."""
 
 
 @dataclass(frozen=True)
@@ -88,3 +91,16 @@ def rivals_of(
     """Return the first few explanations of a look-alike set, those of as many effects as the first one has."""
     alike = [names for names in sets if len(names) == len(sets[0])]
     return fitted_rivals(mechanism, data, alike[:_MOST], priors=priors, force_sigma=force_sigma)
+
+
+def in_question(models: Sequence[Mapping[str, Any]]) -> tuple[list[tuple[str, ...]], bool]:
+    """Return explanations that further loads have to tell apart, and whether that is the first one from the others.
+
+    Where data leave one alone, the nearest ones that can be meant check it. `models` are those of a diagnosis's JSON.
+    """
+    found = [tuple(model["names"]) for model in models if model["in_set"]]
+    if len(found) != 1:
+        return found, False
+    others = [model for model in models if len(model["names"]) == len(found[0]) and tuple(model["names"]) != found[0]]
+    meant = sorted((model for model in others if not model["refused"]), key=lambda model: float(model["behind"]))
+    return [*found, *(tuple(model["names"]) for model in meant[:_NEAREST])], True

@@ -14,15 +14,18 @@ from ..mechanism import Mechanism
 from .alarms import alarms
 from .candidates import chosen, uncertain_parameters
 from .claims import claims, estimates
+from .doubts import stiffness_doubts
 from .gap import Opened, gap
 from .many import search_all
 from .plan_result import Plan
 from .problem import Problem
 from .progress import Progress
 from .remainder import remainder
-from .result import Diagnosis, Gap, Noise, Rows
+from .result import Diagnosis, Noise, Rows, Transfer
 from .search import Found
 from .sights import distances, sights
+from .transfer import transfer
+from .transfer_result import not_carried
 from .view import View
 from .where import compliances, where, wrenches
 from .words import missing_columns, nearest, sentence, verdict_of
@@ -182,50 +185,50 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
     weights = problem.weights(view.noise, around)
     before = calibrated if found.effects else after
     opened = Opened.of(problem, before, after, weights, found.scale)
-    shown_gap, far = gap(problem, opened, problem.locked, "locked rows", study.seed)
+    shown_gap, far = gap(problem, opened, problem.locked, "rows set aside", study.seed)
     effects, missing = claims(found), missing_columns(problem)
     seen = sights(baseline, study.alpha, study.seed)
     verdict = verdict_of(effects, outside=found.outside, gap_in_data=bool(missing) and view.cleaned.memory > 0.2)
     left = None
     if verdict in ("outside_catalogue", "data_gap"):
         left = remainder(problem, view, opened, compliances(problem, calibrated), problem.locked)
+    calibrated_now, noise = estimates(best, found), _noise(view)
+    tests = _transfer(study, found, noise)
     lost = [*((int(i), "outlier") for i in [*view.outliers, *far]),
             *((int(i), "no stable equilibrium") for i in np.flatnonzero(~around.stable))]  # fmt: skip
     return Diagnosis(
         verdict=verdict,
-        sentence=sentence(verdict, effects, shown_gap, seen, missing, left),
+        sentence=sentence(verdict, effects, shown_gap, seen, missing, left, tests),
         effects=effects,
-        calibration=estimates(best, found),
+        calibration=calibrated_now,
         before=estimates(found.null, found),
         mechanism=problem.mechanism.replace(**best.by_key()),
         gap=shown_gap,
-        transfer=_transfer(study, problem, found),
+        transfer=tests,
         models=found.models(),
         gates=found.gates,
         sights=seen,
-        noise=_noise(view),
+        noise=noise,
         where=where(baseline, study.seed) if any(gate.alarm for gate in found.gates) else None,
         remainder=left,
         outliers=tuple((problem.rows.where(i), reason) for i, reason in lost),
         missing=missing,
-        warnings=(*found.doubts, *nearest(found)),
+        warnings=(
+            *not_carried(tests, [claim.name for claim in effects]),
+            *found.doubts,
+            *nearest(found),
+            *stiffness_doubts(calibrated_now, problem.mechanism),
+        ),
         alarms=alarms(found),
         rows=_rows(problem, opened, calibrated, view, far),
         seconds=time.perf_counter() - begin,
     )
 
 
-def _transfer(study: Study, problem: Problem, found: Found) -> tuple[Gap, ...]:
+def _transfer(study: Study, found: Found, noise: Noise) -> tuple[Transfer, ...]:
     """Return the gap on every experiment that was never fitted."""
-    answer = []
-    for part in study._parts(study.test):
-        there = study.problem([part])
-        noise = there.noise(there.rows.at(there.start(there.keys)))
-        before, after = (there.state(fit.keys, fit.by_key()) for fit in (found.null, found.best))
-        opened = Opened.of(there, before, after, there.weights(noise, after), np.ones(3))
-        shown_gap, _ = gap(there, opened, np.ones(part.n, dtype=bool), part.source, study.seed)
-        answer += [shown_gap] if shown_gap else []
-    return tuple(answer)
+    parts = (transfer(study.problem([part]), found, noise, study.seed) for part in study._parts(study.test))
+    return tuple(entry for entry in parts if entry)
 
 
 def _noise(view: View) -> Noise:

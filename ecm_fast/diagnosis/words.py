@@ -1,9 +1,11 @@
 """The answer in one plain sentence, and what to know before it is used."""
 
 from .candidates import lacking
+from .claim_words import size
 from .problem import Problem
 from .result import Claim, Gap, Remainder, Sight, Verdict
 from .search import Found
+from .transfer_result import Transfer, carried, not_carried
 
 __all__ = ["missing_columns", "nearest", "sentence", "verdict_of"]
 
@@ -24,8 +26,22 @@ def sentence(
     sights: tuple[Sight, ...],
     missing: tuple[str, ...],
     left: Remainder | None,
+    tests: tuple[Transfer, ...] = (),
 ) -> str:
-    """Return the answer in one sentence."""
+    """Return the answer in one sentence; what it does not carry over to comes before it, what it does after it."""
+    names = [claim.name for claim in effects]
+    answer = _answer(verdict, effects, gap, sights, missing, left)
+    return " ".join((*not_carried(tests, names), answer, *carried(tests, names)))
+
+
+def _answer(
+    verdict: Verdict,
+    effects: tuple[Claim, ...],
+    gap: Gap | None,
+    sights: tuple[Sight, ...],
+    missing: tuple[str, ...],
+    left: Remainder | None,
+) -> str:
     if verdict == "nothing_found":
         seen = sum(sight.visible in ("named", "seen") for sight in sights)
         return (f"No missing effect was found: {seen} of {len(sights)} effects of the catalogue would have shown at "
@@ -40,9 +56,7 @@ def sentence(
 
 
 def _named(claim: Claim) -> str:
-    size, value = next(iter(claim.parameters.items()))
-    low, high = claim.interval[size]
-    number = f"{size} = {value:.3g} ({low:.3g} to {high:.3g})"
+    number = size(claim, next(iter(claim.parameters)))
     if not claim.look_alikes:
         return number
     return f"{number}, which these data cannot tell from {' or '.join(claim.look_alikes)}"
@@ -51,8 +65,8 @@ def _named(claim: Claim) -> str:
 def _proof(gap: Gap | None) -> str:
     if gap is None:
         return " (too few rows to set any aside as proof)"
-    return (f"; on {gap.rows} locked rows the gap goes from {gap.before.sigma:.3g} to {gap.after.sigma:.3g} times "
-            f"the noise")  # fmt: skip
+    return (f"; on {gap.rows} rows that were set aside the gap goes from {gap.before.sigma:.3g} to "
+            f"{gap.after.sigma:.3g} times the noise")  # fmt: skip
 
 
 def missing_columns(problem: Problem) -> tuple[str, ...]:

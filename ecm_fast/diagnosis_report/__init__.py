@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from ..diagnosis import Diagnosis, Plan
+from ..diagnosis.claim_words import MIRRORS, meaning, next_best
 from ..diagnosis.next_result import NextLoads
 from ..diagnosis.parity import Parity
 from ..mechanism import Mechanism
+from ..parameters import find
 from ..report import Picture, Section, Table, write_report
 from ._base import MOST, Story
 from .evidence import cosine_matrix, evidence_bars, gap_bar, left_over, parameter_profiles, promise, stiffness
@@ -92,9 +94,12 @@ def _first(story: Story, next_loads: NextLoads | None) -> Section:
     found = story.found
     sentences = [found.sentence]
     for claim in found.effects:
-        chance = f"; chance of {claim.name} among them {claim.probability:.0%}" if claim.look_alikes else ""
-        others = ", ".join(claim.look_alikes) or "nothing in the catalogue"
-        sentences.append(f"Not distinguishable from {claim.name} here: {others}{chance}.")
+        sentences.append(f"{claim.name}: {meaning(claim)}; {MIRRORS[claim.mirror]}.")
+        if claim.look_alikes:
+            others, chance = ", ".join(claim.look_alikes), f"chance of {claim.name} among them {claim.probability:.0%}"
+            sentences.append(f"Not distinguishable from {claim.name} here: {others}; {chance}.")
+    behind = next_best(found.models, found.names)
+    sentences += [f"{behind[0].upper()}{behind[1:]}."] if behind else []
     if next_loads and next_loads.suggestions:
         sentences.append(_first_load(next_loads))
     tables = (_gap_table(story),) if found.gap or found.transfer else ()
@@ -149,12 +154,18 @@ def _effects(found: Diagnosis) -> Table:
         others = ", ".join(claim.look_alikes) or "none"
         for name, value in claim.parameters.items():
             low, high = claim.interval[name]
-            rows.append((name, value, low, high, claim.sigmas, claim.mirror, claim.family, others))
+            rows.append((_with_unit(name), value, low, high, claim.sigmas, MIRRORS[claim.mirror], claim.family, others))
     rows += [
-        (name, entry.value, entry.lower, entry.upper, None, "", "", "") for name, entry in found.calibration.items()
+        (_with_unit(name), entry.value, entry.lower, entry.upper, None, "", "", "")
+        for name, entry in found.calibration.items()
     ]
     head = ("parameter", "value", "lower", "upper", "sigma from 0", "mirror", "family", "look-alikes")
     return Table("What was found, with 90 % intervals", head, tuple(rows))
+
+
+def _with_unit(name: str) -> str:
+    unit = find(name).unit
+    return name if unit == "-" else f"{name} [{unit}]"
 
 
 def _left(found: Diagnosis) -> tuple[str, ...]:

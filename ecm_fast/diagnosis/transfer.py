@@ -1,0 +1,62 @@
+"""The hardest proof: experiments that were never fitted, and whether what was found carries over to them.
+
+Both models predict such an experiment as they stand. Where the one with what was found misses it, but would not if the
+fitted parameters moved within their doubt, the experiment asks for another calibration before it asks for another
+effect.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..identification_rows import RESIDUAL, State
+from .gap import Opened, gap
+from .problem import Problem
+from .refit import Fit
+from .result import Noise
+from .search import Found
+from .transfer_result import Transfer, allowed
+
+__all__ = ["transfer"]
+
+Array = NDArray[np.float64]
+
+
+def transfer(there: Problem, found: Found, noise: Noise, seed: int) -> Transfer | None:
+    """Return the gap on an experiment that was never fitted; None where no reading of it can be used.
+
+    Parameters
+    ----------
+    there : the problem of that experiment alone
+    found : in the data that were fitted
+    noise : of these data
+    seed : of the blocks that are drawn again
+    """
+    before, after = (there.state(fit.keys, fit.by_key()) for fit in (found.null, found.best))
+    known = there.noise(there.rows.at(there.start(there.keys)))
+    sigma = np.where(known.origin == RESIDUAL, np.asarray(noise.sigma), known.sigma)  # else it would fit by definition
+    known = replace(known, sigma=np.where(sigma > 0.0, sigma, known.sigma))
+    opened = Opened.of(there, before, after, there.weights(known, after), np.maximum(found.scale, 1.0))
+    part = there.data[0]
+    shown_gap, far = gap(there, opened, np.ones(part.n, dtype=bool), part.source, seed)
+    if shown_gap is None:
+        return None
+    whitened = opened.whitened(opened.after)
+    whitened[far] = np.nan
+    own, count = _adapted(opened, after, found.best, whitened), int(np.isfinite(whitened).sum())
+    return Transfer(**vars(shown_gap), allowed=allowed(count), adapted=own, left_out=int(far.size))
+
+
+def _adapted(opened: Opened, after: State, fit: Fit, whitened: Array) -> float:
+    """Return the root mean square [sigma] that is left where the fitted parameters move within their doubt.
+
+    Its square times the number of readings is the smallest |r - J d|^2 + d^T C^-1 d, chi squared where all is right.
+    """
+    use = np.isfinite(whitened)
+    by = (opened.weights.whitening @ np.nan_to_num(after.by)) / opened.scale[:, None]
+    jacobian, residual = by[use], whitened[use]
+    value, vector = np.linalg.eigh(fit.covariance)
+    root = jacobian @ (vector * np.sqrt(np.maximum(value, 0.0)))
+    step = np.linalg.solve(np.eye(root.shape[1]) + root.T @ root, root.T @ residual)
+    return float(np.sqrt((residual @ residual - (root.T @ residual) @ step) / residual.size))

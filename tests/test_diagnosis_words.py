@@ -1,0 +1,60 @@
+"""What a reader is told of a claim, made by hand."""
+
+import math
+from dataclasses import replace
+
+from ecm_fast.diagnosis.claim_words import meaning, next_best, size
+from ecm_fast.diagnosis.parts import Claim, Gap, Model, Rms
+from ecm_fast.diagnosis.transfer_result import Transfer
+from ecm_fast.diagnosis.words import sentence
+
+NAME = "clamp_rotation_compliance"
+CLAIM = Claim(NAME, {NAME: 0.00152}, {NAME: (0.00143, 0.00161)}, (), "even", "compliance ratio", 28.3, 1.0)
+EXACT = Rms(1e-4, 1e-4, 1e-3, 1.0)
+
+
+def model(name, behind, refused="", *, in_set=False):
+    return Model((name,), (1.0,), 50.0 - behind, 50.0, behind, in_set, refused)
+
+
+def shown(after, before=18.0, adapted=5.0):
+    gaps = (Rms(1e-4, 1e-4, 1e-3, value) for value in (before, after))
+    return Transfer(9, "a/side.csv", *gaps, EXACT, 0.9, 1.32, adapted)
+
+
+def said(*tests):
+    gap = Gap(20, "rows set aside", Rms(1e-4, 1e-4, 1e-3, 2.0), EXACT, EXACT, 1.0)
+    return sentence("named", (CLAIM,), gap, (), (), None, tests)
+
+
+def test_a_size_has_its_unit_its_interval_and_its_meaning() -> None:
+    line = size(CLAIM, NAME)
+    assert line == "clamp_rotation_compliance = 0.00152 rad/(N m) (90 %: 0.00143 to 0.00161)"
+    assert meaning(CLAIM) == "the clamp turns under the beam's couple"
+
+
+def test_the_next_best_is_the_first_that_can_be_meant_outside_of_the_set() -> None:
+    models = [
+        model("clamp_rotation_compliance", 0.0, in_set=True),
+        model("lever_arm", 2.0, "would have to be negative"),
+        model("stiffness_taper", 2.0 * math.log(28.0)),
+        model("soft_spot", 40.0),
+    ]
+    assert next_best(models, ["clamp_rotation_compliance"]) == "next best: stiffness_taper, 1 : 28"
+    assert next_best([models[0], models[3]], ["x"]) == "next best: soft_spot, 1 : more than 10000"
+    assert "can be meant" in next_best(models[:2], ["x"])
+    assert next_best(models, []) == ""
+    assert next_best(models[:1], ["x"]) == ""  # nothing else was tried
+
+
+def test_what_fails_comes_first_and_what_holds_comes_last() -> None:
+    assert said(shown(7.0)).startswith(f"{NAME} does NOT carry over to side.csv: 7 times the noise is left (18 without")
+    assert "Fit both" in said(shown(7.0))
+    assert "within their doubt 5 are left. Fit" in said(shown(7.0))
+    assert "within their doubt 1.1 are left: they are not known well enough" in said(shown(7.0, adapted=1.1))
+    assert said(shown(1.1)).startswith("The data ask for")
+    assert "which is proof" in said(shown(1.1))
+    assert "1 more left out as outliers" in said(replace(shown(1.1), left_out=1))
+    assert "proves nothing" in said(shown(1.1, before=1.2))
+    assert "set aside" in said()
+    assert "locked" not in said()
