@@ -145,11 +145,14 @@ def told(path: Path, truth: Truth, answer: dict[str, Any]) -> dict[str, Any]:
     if truth.kind == "clean":
         return {}
     neck, read, hidden = ecm.Mechanism(), read_measurements(path), {**truth.effects, **truth.outside}
-    stands = {}
-    for name in (*truth.names, *truth.outside):
-        own = {key: value for key, value in hidden.items() if key.partition(".")[0] == name}
-        stands[name] = asdict(standing(neck, still(truth, own, read), (name,)))
-    return {"stands": stands, "closed": closed(still(truth, hidden, read), read, answer)}
+    names, exact, stands = (*truth.names, *truth.outside), still(truth, hidden, read), {}
+    if len(names) == 1:
+        stands[names[0]] = asdict(standing(neck, exact, names))
+    else:  # what one of two would show alone
+        for name in names:
+            own = {key: value for key, value in hidden.items() if key.partition(".")[0] == name}
+            stands[name] = asdict(standing(neck, still(truth, own, read), names, rivals=0))
+    return {"stands": stands, "closed": closed(exact, read, answer)}
 
 
 def still(truth: Truth, effects: dict[str, float], read: Measurements) -> Measurements:

@@ -15,7 +15,7 @@ from .view import View
 
 __all__ = ["Standing", "standing"]
 
-_NEAREST, _AGAIN = 12, 6
+_AGAIN = 6
 _ANY = 1e3
 """Typical sizes up to which a rival may be as large as it likes."""
 
@@ -36,11 +36,11 @@ class Standing:
     rival: str
 
 
-def standing(mechanism: Mechanism, data: Measurements, hidden: Collection[str] = ()) -> Standing:
+def standing(mechanism: Mechanism, data: Measurements, hidden: Collection[str] = (), rivals: int = 8) -> Standing:
     """Return how far poses without noise are from the nearest explanation by another effect than those `hidden`.
 
-    Each effect that comes near in the linear model is fitted in full with EA, GA and EI, to the rows that a diagnosis
-    would see; what the fit leaves is the distance, whatever its size.
+    So many `rivals`, those that come nearest in the linear model, are fitted in full with EA, GA and EI, to the rows
+    that a diagnosis would see; what the fit leaves is the distance, whatever its size.
     """
     problem = Study(mechanism, data).problem()
     problem.candidates = tuple(replace(entry, spread=(_ANY * entry.typical, *entry.spread[1:])) for entry in
@@ -50,7 +50,7 @@ def standing(mechanism: Mechanism, data: Measurements, hidden: Collection[str] =
     null = refit(view, (), values)
     view = View.at(problem, {**values, **further.starts(view)}, (), noise, known=True)
     evidence = np.where(view.gram.norm > 0.0, view.gram.singles()[0], -np.inf)
-    near = [int(i) for i in np.argsort(-evidence)[:_NEAREST] if problem.candidates[i].name not in hidden]
+    near = [int(i) for i in np.argsort(-evidence) if problem.candidates[i].name not in hidden][:rivals]
     left = [(null.total, ""), *((_left(view, _settled(view, i)), problem.candidates[i].name) for i in near)]
     least, rival = min(left)
     return Standing(float(np.sqrt(max(null.total, 0.0))), float(np.sqrt(max(least, 0.0))), rival)
