@@ -1,12 +1,16 @@
-"""What several test files need: the reader of the tables in `tests/data`."""
+"""What several test files need: the reader of the tables in `tests/data`, and interrupts that arrive."""
 
 import csv
+import signal
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 Row = dict[str, float | str]
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as a shell's background jobs have it, and all that they start
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def _value(text: str) -> float | str:
