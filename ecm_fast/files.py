@@ -1,4 +1,4 @@
-"""Write a file whole or not at all; write a table as text."""
+"""Write a file whole or not at all; tables as text, values as JSON can hold them."""
 
 import csv
 import errno
@@ -14,7 +14,7 @@ from typing import Any
 
 from .errors import InputError, why
 
-__all__ = ["csv_text", "write_whole"]
+__all__ = ["csv_text", "plain", "write_whole"]
 
 _UMASK = threading.Lock()  # it can only be read by being set: two threads at once would leave the other's 0
 
@@ -74,3 +74,16 @@ def _cell(value: Any) -> str:
     if isinstance(value, float):
         return repr(float(value)) if math.isfinite(value) else ""
     return "" if value is None else str(value)
+
+
+def plain(value: Any) -> Any:
+    """Return `value` as JSON can hold it: arrays as lists, paths as text, what is not finite as None."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(entry) for entry in value]
+    if isinstance(value, os.PathLike):
+        return str(value)
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -5,7 +5,7 @@ import pytest
 
 from ecm_fast import datasets
 from ecm_fast.data import Measurements
-from ecm_fast.diagnosis.checks import check, findings, thinned
+from ecm_fast.diagnosis.checks import check, findings
 from ecm_fast.errors import InputError
 from ecm_fast.mechanism import Mechanism
 from ecm_fast.testbed import Sensors, in_sequence, measure, shear_test, tendon_test
@@ -149,16 +149,9 @@ def test_missing_columns_name_what_cannot_be_told(plain) -> None:
         check(NECK, Measurements.from_columns(blank))
 
 
-def test_thirty_thousand_rows_are_checked_and_thinned(plain) -> None:
+def test_thirty_thousand_rows_are_checked(plain) -> None:
     lam = np.tile(plain.lam, (375, 1))
     pose = np.tile(plain.pose, (375, 1)) + 1e-5 * np.random.default_rng(1).standard_normal((30000, 3))
     table = dict(zip(("lam_l_N", "lam_r_N", "x_m", "z_m", "theta_rad"), np.column_stack([lam, pose]).T, strict=True))
     data = Measurements.from_columns(table)
     assert "many rows" in kinds(NECK, data)
-    few = thinned(data)
-    assert few.n == 3000
-    assert set(few.rows) <= set(data.rows)
-    assert (few.rows[0], few.rows[-1]) == (data.rows[0], data.rows[-1])
-    assert thinned(few) is few
-    with pytest.raises(InputError, match="most = 0"):
-        thinned(data, 0)

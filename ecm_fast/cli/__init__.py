@@ -31,7 +31,7 @@ from . import (
     view,
     warmup,
 )
-from ._answer import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED, plain
+from ._answer import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED
 from ._arguments import parse
 from ._streams import note, write
 
@@ -81,6 +81,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _failed(f"unexpected {type(error).__name__}: {error} ({hint})", UNEXPECTED)
 
 
+def _as_json(answer: object) -> str:
+    from ..files import plain
+
+    return json.dumps(plain(answer), allow_nan=False)
+
+
 def _run(words: list[str]) -> int:
     args = parse(words, COMMANDS)
     if args.plugin:
@@ -88,7 +94,7 @@ def _run(words: list[str]) -> int:
     answer = COMMANDS[args.command].run(args)
     for line in answer.notes:
         note(line)
-    text = json.dumps(plain(answer.json), allow_nan=False) if args.json else answer.text
+    text = _as_json(answer.json) if args.json else answer.text
     if text:
         write(sys.stdout, f"{text}\n")
     for line in answer.after() if answer.after else ():

@@ -2,8 +2,6 @@
 
 import argparse
 import json
-import math
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +19,6 @@ __all__ = [
     "Answer",
     "Command",
     "folder",
-    "plain",
     "saved",
 ]
 
@@ -59,19 +56,6 @@ class Command:
     out: str = "folder for files; made where it is missing"
 
 
-def plain(value: Any) -> Any:
-    """Return `value` as JSON can hold it: arrays as lists, paths as text, what is not finite as None."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, Mapping):
-        return {str(key): plain(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(entry) for entry in value]
-    if isinstance(value, os.PathLike):
-        return str(value)
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
 def folder(path: str) -> Path:
     """Return the folder `path`, made where it is missing.
 
@@ -91,7 +75,7 @@ def saved(args: argparse.Namespace, answer: Mapping[str, Any]) -> tuple[str, ...
 
     A command of two words has ``_`` between them there.
     """
-    from ..files import write_whole
+    from ..files import plain, write_whole
 
     if args.out is None:
         return ()

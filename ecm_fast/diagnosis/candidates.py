@@ -4,7 +4,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..data import Measurements
 from ..data_columns import COLUMNS
@@ -113,8 +112,3 @@ def uncertain_parameters(given: Mapping[str, float | None]) -> dict[str, float]:
             key = CATALOGUE[one].size.key if one in CATALOGUE else find(one).key
             found[key] = np.inf if std is None else float(std)
     return found
-
-
-def columns_of(candidates: Iterable[Candidate]) -> NDArray[np.str_]:
-    """Return the keys of the sizes, (k,)."""
-    return np.array([candidate.keys[0] for candidate in candidates])

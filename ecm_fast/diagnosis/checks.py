@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..data import Measurements
 from ..data_columns import COLUMNS
 from ..effects import CATALOGUE
-from ..errors import InputError, shown
+from ..errors import InputError
 from ..mechanism import Mechanism
 from ..prediction import predict
 from .finding import Finding, places
@@ -17,7 +17,7 @@ from .labels import label_findings
 from .many import ENOUGH
 from .pairs import load_table, smooth
 
-__all__ = ["FEW_ROWS", "Checks", "Finding", "check", "findings", "thinned"]
+__all__ = ["FEW_ROWS", "Checks", "Finding", "check", "findings"]
 
 Array = NDArray[np.float64]
 
@@ -87,20 +87,6 @@ def findings(mechanism: Mechanism, data: Measurements) -> list[Finding]:
     usual = [*_loads(data), *_rows(data), *_columns(data)]
     spoiled = any(finding.certain or finding.kind == "unexplained" for finding in labels)
     return [*labels, *stuck, *([] if spoiled else _outliers(mechanism, data)), *usual]
-
-
-def thinned(data: Measurements, most: int = _MANY_ROWS) -> Measurements:
-    """Return at most so many rows, evenly over the order of measurement; no reading is averaged or changed.
-
-    What depends on the order of loads has to be computed from all rows.
-
-    Raises
-    ------
-    InputError : `most` is no positive number.
-    """
-    if most < 1:
-        raise InputError(f"most = {shown(most)}: allowed is a whole number >= 1")
-    return data if data.n <= most else data.select(np.unique(np.linspace(0, data.n - 1, most).round().astype(int)))
 
 
 def _same_pose(data: Measurements) -> list[Finding]:

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .result import Sight, plain
+from ..files import plain
+from .result import Sight
 
 __all__ = ["Plan"]
 

@@ -1,10 +1,10 @@
 """What a diagnosis answers: verdict, names with their look-alikes, the gap on locked rows, what could not be told."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ..files import plain
 from ..identification_result import Estimate
 from ..mechanism import Mechanism
 from .parts import Claim, Gap, Gate, Model, Noise, Remainder, Rms, Rows, Sight, Verdict, Where
@@ -24,7 +24,6 @@ __all__ = [
     "Transfer",
     "Verdict",
     "Where",
-    "plain",
 ]
 
 
@@ -130,14 +129,3 @@ def _remainder(found: Remainder | None) -> dict[str, Any] | None:
     if found is None:
         return None
     return {"closed": found.closed, "resembles": found.resembles, "cosine": found.cosine}
-
-
-def plain(value: Any) -> Any:
-    """Return what JSON can hold."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, Mapping):
-        return {str(key): plain(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, did_you_mean, why
-from ..files import csv_text, write_whole
+from ..files import csv_text, plain, write_whole
 from ..report import VERDICTS, Section, Table, require, write_report
-from ._claim import Claim, Part, plain
+from ._claim import Claim, Part
 from .cantilevers import silicone, steel
 from .comparison import comparison
 from .kinds import kinds

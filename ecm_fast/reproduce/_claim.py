@@ -23,7 +23,6 @@ __all__ = [
     "Part",
     "by_channel",
     "by_component",
-    "plain",
     "shown",
     "verdict",
 ]
@@ -82,14 +81,3 @@ def by_channel(pose: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
 def by_component(wrench: NDArray[np.float64], prefix: str = "") -> dict[str, NDArray[np.float64]]:
     """Return the columns of wrenches (n, 3), or of something about them, by name and unit."""
     return {f"{prefix}{name}": column for name, column in zip(COMPONENTS, wrench.T, strict=True)}
-
-
-def plain(value: Any) -> Any:
-    """Return `value` as JSON can hold it; what is not finite becomes None."""
-    if isinstance(value, Mapping):
-        return {name: plain(entry) for name, entry in value.items()}
-    if isinstance(value, (np.ndarray, np.generic)):
-        value = value.tolist()
-    if isinstance(value, (list, tuple)):
-        return [plain(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
