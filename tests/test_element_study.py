@@ -157,9 +157,9 @@ def test_one_element_does_not_suffice_where_the_stiffness_jumps():
     for family, order in HIGH:
         kind = Candidate.even(1, order, None, family).kind
         spanned = [error[kind, n, "even"] for n in (1, 3, 10)]
-        assert error[kind, 3, "ending at jumps"] < 0.1 * min(spanned)
+        assert error[kind, 3, "ending at jumps"] < 0.2 * min(spanned)
     smooth = ecm.study_elements(Mechanism(), compared=[Candidate.even(1, 4)]).rows[0]
-    assert smooth.error < 1e-3 * error["quartic", 1, "even"]
+    assert smooth.error < 1e-2 * error["quartic", 1, "even"]
     # arcs have theirs, the second
     arcs = {n: found for (kind, n, mesh), found in error.items() if (kind, mesh) == ("SE(2)", "ending at jumps")}
     fewer, more = sorted(arcs)[-2:]

@@ -145,7 +145,7 @@ def test_section_is_the_reference_section(law, present):
     sizes = {key: 2.0 * find(key).typical for key in present}
     mesh = Discretization.of(1, 1)
     case = prepared(Mechanism().replace(axial_law=law, **sizes), mesh)
-    p = reference.station(reference.named(case[0]), mesh.mesh[0, 0], 0.0, 1.0)
+    p = reference.station(reference.named(case[0]), mesh.mesh[0, 0], 0.0, 1.0, 0, 1)
     hooke = float(law == "hooke")
     for gamma_x, kappa in product((0.3, 0.7, 0.9999, 1.0, 1.0001, 1.4, 3.0), (-15.0, -0.3, 0.3, 15.0)):
         # N is a difference of terms of the size of EA, so that is what rounds

@@ -17,22 +17,54 @@ __all__ = ["prepare"]
 # largest last Newton step, in rad and shares of the length, and largest error of the contact force it may leave, as a
 # share of EI/length^2; Newton squares both once more
 TOLERANCE, FORCE_TOLERANCE = 1e-9, 1e-7
+ROUNDING = 1e-9  # of lengths as shares of an element
+LEAST_COMPLIANCE = 0.05  # of a Gauss point beside a soft spot, as a share of what it has without
 
 
 @kernel
-def _profile(par, length, place, before, share):
+def _points(mesh):
+    """Gauss points of an element, which all have equally many: their weights make up its length."""
+    share, i = 0.0, 0
+    while i < mesh.shape[0] and share * mesh[0, 2] < 1.0 - ROUNDING:
+        share += mesh[i, 1]
+        i += 1
+    return i
+
+
+@kernel
+def _covered(place, lower, upper, points):
+    """How much of what a Gauss point stands for lies between two ends, [C3] of `reference.section`.
+
+    By Legendre's polynomials P, half the sum of P_k(place) (P_k+1 - P_k-1) between the ends.
+    place, lower, upper : in the element, from -1 to 1
+    """
+    lower = lower if lower.real > -1.0 else -1.0 + 0.0 * lower
+    upper = upper if upper.real < 1.0 else 1.0 + 0.0 * upper
+    if upper.real <= lower.real:
+        return 0.0 * upper
+    here, here_before, found = 1.0, 0.0, 0.0 * upper
+    top, top_before, bottom, bottom_before = 1.0 + 0.0 * upper, 0.0 * upper, 1.0 + 0.0 * lower, 0.0 * lower
+    for k in range(points):
+        by, back = (2.0 * k + 1.0) / (k + 1.0), k / (k + 1.0)
+        top_next, bottom_next = by * upper * top - back * top_before, by * lower * bottom - back * bottom_before
+        found += 0.5 * here * (top_next - top_before - bottom_next + bottom_before)
+        top_before, top, bottom_before, bottom = top, top_next, bottom, bottom_next
+        here_before, here = here, by * place * here - back * here_before
+    return found
+
+
+@kernel
+def _profile(par, place, in_element, lower, upper, points, length):
     """Stiffness at a Gauss point as a share of the mechanism's, [C3] of `reference.section`.
 
-    place : of the point; before, share : where the stretch of beam begins that it stands for, and how long that is;
-        all as shares of the length [-]
+    place : of the point, as a share of the length [-]
+    in_element, lower, upper : of the point and of the soft spot's ends, from -1 to 1 in the element
     """
-    middle, half = par[P.effects_soft_spot_place], 0.5 * par[P.effects_soft_spot_width] / length
-    lower, upper = middle - half, middle + half
-    lower = lower if lower.real > before else before + 0.0 * lower
-    upper = upper if upper.real < before + share else before + share + 0.0 * upper
-    covered = (upper - lower) / share if upper.real > lower.real else 0.0 * lower
     soft = par[P.effects_soft_spot_size]
-    profile = (1.0 + par[P.effects_stiffness_taper] * (2.0 * place - 1.0)) / (1.0 + covered * soft / (1.0 - soft))
+    profile = 1.0 + par[P.effects_stiffness_taper] * (2.0 * place - 1.0)
+    if soft != 0.0:
+        compliance = 1.0 + _covered(in_element, lower, upper, points) * soft / (1.0 - soft)
+        profile /= compliance if compliance.real > LEAST_COMPLIANCE else LEAST_COMPLIANCE + 0.0 * compliance
     bonded = par[P.effects_bonded_ends_size]
     if bonded != 0.0:
         fade = -length / par[P.effects_bonded_ends_decay]
@@ -132,11 +164,14 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
     length = par[P.beam_length] + par[P.effects_beam_length]
     mass_per_length = par[P.beam_mass_per_length] + par[P.effects_beam_mass]
     EA, GA, EI = par[P.beam_EA], par[P.beam_GA], par[P.beam_EI]
-    before = 0.0
+    half, points, begin = 0.5 * par[P.effects_soft_spot_width] / length, _points(mesh), 0.0
+    lower, upper = par[P.effects_soft_spot_place] - half, par[P.effects_soft_spot_place] + half
     for i in range(mesh.shape[0]):
-        station, place = stations[i], mesh[i, 0]
-        profile = _profile(par, length, place, before, mesh[i, 1])
-        before += mesh[i, 1]
+        station, place, scale = stations[i], mesh[i, 0], 2.0 * mesh[i, 2]
+        profile = _profile(par, place, scale * (place - begin) - 1.0, scale * (lower - begin) - 1.0,
+                           scale * (upper - begin) - 1.0, points, length)  # fmt: skip
+        if (i + 1) % points == 0:
+            begin += 1.0 / mesh[i, 2]
         station[at.S_WEIGHT], station[at.S_INV_H] = mesh[i, 1] * length, mesh[i, 2] / length
         station[at.S_EA], station[at.S_GA], station[at.S_EI] = EA * profile, GA * profile, EI * profile
         gradient = par[P.effects_precurvature_gradient] * (2.0 * place - 1.0)

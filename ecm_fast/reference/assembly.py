@@ -18,13 +18,11 @@ __all__ = ["energy", "gradient", "newton_step", "residual", "rest_coordinates", 
 
 def stations(p: Parameters, mesh: Discretization) -> list[list[Parameters]]:
     """Parameters at every Gauss point of every element."""
-    points = [station(p, *at) for at in zip(mesh.mesh[:, 0], _before(mesh), mesh.mesh[:, 1], strict=True)]
-    return [points[e : e + mesh.gauss] for e in range(0, len(points), mesh.gauss)]
-
-
-def _before(mesh: Discretization) -> Any:
-    """Where the stretch of beam begins that each Gauss point stands for [share of the length]."""
-    return np.concatenate([[0.0], np.cumsum(mesh.mesh[:-1, 1])])
+    begin, places = np.cumsum([0.0, *mesh.shares[:-1]]), mesh.mesh[:, 0].reshape(-1, mesh.gauss)
+    return [
+        [station(p, place, first, share, i, mesh.gauss) for i, place in enumerate(own)]
+        for own, first, share in zip(places, begin, mesh.shares, strict=True)
+    ]
 
 
 def _elements(p: Parameters, mesh: Discretization) -> Iterator[tuple[list[Parameters], Any, slice]]:

@@ -151,24 +151,36 @@ def section_stiffness(p: Parameters, strains: Any) -> Any:
     return np.column_stack([section_law(p, probe).imag / 1e-100 for probe in probes])
 
 
-def station(p: Parameters, place: Any, before: Any, share: Any) -> Parameters:
-    """[C3] The parameters of one Gauss point: stiffnesses EA, GA, EI and the curvature as cast.
+def station(p: Parameters, place: Any, begin: Any, share: Any, i: int, gauss: int) -> Parameters:
+    """[C3] The parameters of Gauss point i of an element: stiffnesses EA, GA, EI and the curvature as cast.
 
         (EA, GA, EI) (1 + t (2 s/L - 1)) (1 + b (exp(-s/l) + exp(-(L - s)/l))) / (1 + c v/(1 - v))
 
     t is the taper, b the gain of bonded ends that fades over l; the soft spot takes the share v of the stiffness of a
-    stretch of beam. A Gauss point stands for as much of the beam as its weight says, from `before` to
-    `before + share` [shares of the length], of which the soft spot covers the share c: the compliance there is the
-    mean one, and over the beam the soft spot adds the compliance that it has, wherever the Gauss points are. With
-    the ends of elements at its ends, c is 0 or 1.
+    stretch of beam. The element goes from `begin` to `begin + share` [shares of the length], and c is what of the
+    stretch falls to the point, see `covered`; a point beside the stretch, where c may be below 0, keeps 0.05 of its
+    compliance whatever v is.
     """
     half, fade = 0.5 * p["effects.soft_spot.width"] / length(p), length(p) / p["effects.bonded_ends.decay"]
-    ends = p["effects.soft_spot.place"] - half, p["effects.soft_spot.place"] + half
-    first, last = (min(max(end, before, key=np.real), before + share, key=np.real) for end in ends)
-    size = p["effects.soft_spot.size"]
-    along = 2.0 * place - 1.0
-    profile = (1.0 + p["effects.stiffness_taper"] * along) / (1.0 + (last - first) / share * size / (1.0 - size))
+    middle, size, along = p["effects.soft_spot.place"], p["effects.soft_spot.size"], 2.0 * place - 1.0
+    falls = covered((middle - half - begin) / share, (middle + half - begin) / share, i, gauss)
+    compliance = max(1.0 + falls * size / (1.0 - size), 0.05, key=np.real)
+    profile = (1.0 + p["effects.stiffness_taper"] * along) / compliance
     profile = profile * (1.0 + p["effects.bonded_ends.size"] * (np.exp(-place * fade) + np.exp((place - 1.0) * fade)))
     own = {key: p[key] * profile for key in ("beam.EA", "beam.GA", "beam.EI")}
     cast = p["effects.precurvature"] + p["effects.precurvature_gradient"] * along
     return {**p, **own, "effects.precurvature": cast}
+
+
+def covered(first: Any, last: Any, i: int, gauss: int) -> Any:
+    """[C3] What falls to Gauss point i of a stretch of an element, its ends as shares of the element.
+
+    The integral over the stretch of the polynomial that is 1 at this Gauss point and 0 at the others, less the point's
+    weight: then a sum over the Gauss points is the integral over the stretch, for all polynomials that they determine.
+    It is 1 where the stretch is the whole element, and may be below 0 beside it.
+    """
+    first, last = (min(max(end, 0.0, key=np.real), 1.0, key=np.real) for end in (first, last))
+    points, weights = np.polynomial.legendre.leggauss(gauss)
+    others = np.delete(points, i)
+    whole = (np.poly1d(others, r=True) / np.prod(points[i] - others)).integ()
+    return (whole(2.0 * last - 1.0) - whole(2.0 * first - 1.0)) / weights[i]
