@@ -30,8 +30,6 @@ _ROUGH = 0.3
 _PASSES = 3
 _WORTH = 9.2
 """Evidence that a second name must add."""
-_LATER = 0.1
-"""Share of the chance of a false alarm that tests for a second and third name may use."""
 _SPEAKS = 2.0
 _HOPELESS = 100.0
 _AGAIN, _GAIN = 3, 0.5
@@ -86,7 +84,8 @@ class Found:
 
     def _models(self, size: int) -> Iterable[Model]:
         fits, candidates = self.fits.get(size, []), self.view.problem.candidates
-        best = max((fit.evidence for fit in fits if not refused(fit, self.view)), default=-np.inf)
+        known = [fit.evidence for fit in fits if not refused(fit, self.view)] or [fit.evidence for fit in fits]
+        best = max(known, default=-np.inf)
         for fit in fits:
             reason = refused(fit, self.view)
             behind = best - fit.evidence
@@ -150,7 +149,7 @@ def onward(
         if pairs and not refused(pairs[0], both) and pairs[0].evidence - single > _WORTH:
             (both, null2, pairs), last = _tested((both, null2, pairs), alpha, seed)
             found[2], gates = pairs, (*gates, *last)
-            if any(gate.alarm for gate in last):
+            if any(gate.alarm for gate in last) or not _admissible(pairs, null2, both):
                 return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), both)
             return Found(baseline, both, null2, found, gates, 2, False, ())
         if alone and alone[0].evidence - null2.evidence > _SPEAKS and alone[0].model != fits[0].model:
@@ -169,7 +168,7 @@ def onward(
 def _tested(found: Fits, alpha: float, seed: int) -> tuple[Fits, tuple[Gate, ...]]:
     """Return the tests for more than the best explanation has; rows on which an alarm rests alone are left out."""
     view, null, fits = found
-    reduced, gates = on_more_than_a_row(view, _LATER * alpha, seed)
+    reduced, gates = on_more_than_a_row(view, alpha, seed)
     if reduced is not view:
         known = {fit.model: fit for fit in fits}
         null, fits = refit(reduced, (), null.by_key()), _fitted(reduced, list(known), known)
