@@ -28,6 +28,9 @@ Mask = NDArray[np.bool_]
 _FEWEST = 3
 _NEAR_ZERO = 2.0  # standard deviations of a force cell within which its reading is that of a slack tendon
 _ZERO_SHIFT = 0.5  # the mean by which such a reading is off, in the same unit
+_DRIFT = 0.3
+"""How far every instrument may drift in a session and nobody know, as a share of its noise."""
+_SHORT, _FEW = 20, 4  # rows from which on a session drifts, and how many sessions may do so each in its own way
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +41,7 @@ class Weights:
     ----------
     whitening : (n, 3, 3), see `identification_rows.Noise`
     sigma : (n, 3) noise of the camera that it rests on
-    shift : (n, 3, s) whitened change of the pose by what force cells hide near zero
+    shift : (n, 3, s) whitened change of the pose by what instruments hide, one standard deviation of it
     """
 
     whitening: Array
@@ -62,7 +65,7 @@ class Problem:
         progress: Progress | None = None,
     ) -> None:
         self.mechanism, self.data, self.candidates = mechanism, tuple(data), tuple(candidates)
-        self.force_sigma, self.mesh = force_sigma, _mesh(1, 5)
+        self.force_sigma, self.mesh, self.drift = force_sigma, _mesh(1, 5), _DRIFT
         self.progress = progress or Progress()
         self.keys = (*STIFFNESSES, *(key for key in uncertain if key not in STIFFNESSES))
         self.prior = self._priors(uncertain, priors)
@@ -132,7 +135,25 @@ class Problem:
         sigma = noise.filled(self.rows, state, used, robust=True)
         whitening = noise.whitening(np.where(np.isfinite(sigma), sigma, 1.0), state, used)
         by_force = np.where(used[:, :, None], np.nan_to_num(state.by_force), 0.0)
+        by_camera = np.where(used, np.nan_to_num(sigma), 0.0)[:, :, None] * np.eye(3)
+        hidden = [self._near_zero(noise.force, by_force), self._drift(noise.force, by_force, by_camera)]
+        return Weights(whitening, sigma, whitening @ np.concatenate(hidden, axis=2))
+
+    def _near_zero(self, force: Array, by_force: Array) -> Array:
+        """Return what slack tendons change where their readings are not below zero, (n, 3, 1) or none of it."""
         lam = np.concatenate([part.lam for part in self.data])
-        near = noise.force[:, None] * (lam < _NEAR_ZERO * noise.force[:, None]) * _ZERO_SHIFT
-        shift = whitening @ (by_force * near[:, None, :]).sum(axis=2, keepdims=True)
-        return Weights(whitening, sigma, shift if near.any() else shift[:, :, :0])
+        near = force[:, None] * (lam < _NEAR_ZERO * force[:, None]) * _ZERO_SHIFT
+        shift: Array = (by_force * near[:, None, :]).sum(axis=2, keepdims=True)
+        return shift if near.any() else shift[:, :, :0]
+
+    def _drift(self, force: Array, by_force: Array, by_camera: Array) -> Array:
+        """Return what little the camera's channels and both force cells drift in a session, (n, 3, s)."""
+        each = self.drift * np.concatenate([by_camera, by_force * force[:, None, None]], axis=2)
+        runs = [self.run == run for run in np.flatnonzero(np.bincount(self.run) >= _SHORT)]
+        elapsed = np.zeros((len(runs), self.run.size))
+        for column, here in zip(elapsed, runs, strict=True):
+            column[here] = np.linspace(0.0, 1.0, int(here.sum()))
+        if len(runs) > _FEW:
+            elapsed = elapsed.sum(axis=0, keepdims=True)
+        found = np.concatenate([each[:, :, :0], *(each * column[:, None, None] for column in elapsed)], axis=2)
+        return found[:, :, found.any(axis=(0, 1))]

@@ -13,7 +13,7 @@ from .refit import Fit, refit
 from .study import Study
 from .view import View
 
-__all__ = ["Standing", "standing"]
+__all__ = ["Standing", "beside", "standing"]
 
 _AGAIN = 6
 _ANY = 1e3
@@ -42,18 +42,37 @@ def standing(mechanism: Mechanism, data: Measurements, hidden: Collection[str] =
     So many `rivals`, those that come nearest in the linear model, are fitted in full with EA, GA and EI, to the rows
     that a diagnosis would see; what the fit leaves is the distance, whatever its size.
     """
+    view, null = _of_any_size(mechanism, data)
+    candidates = view.problem.candidates
+    evidence = np.where(view.gram.norm > 0.0, view.gram.singles()[0], -np.inf)
+    near = [int(i) for i in np.argsort(-evidence) if candidates[i].name not in hidden][:rivals]
+    left = [(null.total, ""), *((_left(view, _settled(view, i)), candidates[i].name) for i in near)]
+    least, rival = min(left)
+    return Standing(float(np.sqrt(max(null.total, 0.0))), float(np.sqrt(max(least, 0.0))), rival)
+
+
+def beside(mechanism: Mechanism, data: Measurements, hidden: Collection[str]) -> dict[str, float]:
+    """Return how far each of two hidden effects stands out where the other one, of any size, is in the model [sigma].
+
+    data : poses without noise that hold both
+    """
+    view, _ = _of_any_size(mechanism, data)
+    place = {candidate.name: i for i, candidate in enumerate(view.problem.candidates)}
+    one, other = hidden
+    return {name: float(np.sqrt(max(_left(view, _settled(view, place[rest])), 0.0)))
+            for name, rest in ((one, other), (other, one))}  # fmt: skip
+
+
+def _of_any_size(mechanism: Mechanism, data: Measurements) -> tuple[View, Fit]:
+    """Return the view in which effects may be as large as they like, and the fit without any."""
     problem = Study(mechanism, data).problem()
+    problem.drift = 0.0
     problem.candidates = tuple(replace(entry, spread=(_ANY * entry.typical, *entry.spread[1:])) for entry in
                                problem.candidates)  # fmt: skip
     values, noise = calibrate(problem)
     view = View.at(problem, values, (), noise, known=True)
     null = refit(view, (), values)
-    view = View.at(problem, {**values, **further.starts(view)}, (), noise, known=True)
-    evidence = np.where(view.gram.norm > 0.0, view.gram.singles()[0], -np.inf)
-    near = [int(i) for i in np.argsort(-evidence) if problem.candidates[i].name not in hidden][:rivals]
-    left = [(null.total, ""), *((_left(view, _settled(view, i)), problem.candidates[i].name) for i in near)]
-    least, rival = min(left)
-    return Standing(float(np.sqrt(max(null.total, 0.0))), float(np.sqrt(max(least, 0.0))), rival)
+    return View.at(problem, {**values, **further.starts(view)}, (), noise, known=True), null
 
 
 def _settled(view: View, i: int) -> Fit:
