@@ -8,16 +8,26 @@ import pytest
 
 from ecm_fast import Mechanism, diagnose, identify, plan, predict, read_measurements
 from ecm_fast.cli import main
+from ecm_fast.diagnosis import Study
+from ecm_fast.diagnosis.calibration import calibrate
 from ecm_fast.diagnosis.lock import lock
 from ecm_fast.diagnosis.pool import Pool
-from ecm_fast.diagnosis.standing import standing
+from ecm_fast.diagnosis.standing import beside, standing
+from ecm_fast.diagnosis.view import View
 from ecm_fast.effects import CATALOGUE
 from ecm_fast.errors import InputError
+from ecm_fast.hiding import hide
 from ecm_fast.testbed import Sensors, equilibria, measure, readings, shear_test, tendon_test
 
 NECK = Mechanism()
 LOADS = tendon_test(grid=9, seed=2)
 MADE = NECK.replace(EA=7600.0, GA=2400.0, EI=2.95)
+
+
+def declared(data):
+    """Return measurements that declare the usual noise of a camera."""
+    sigmas = (("sigma_x", 1e-4), ("sigma_z", 1e-4), ("sigma_theta", 1e-3))
+    return replace(data, **{name: np.full(data.n, sigma) for name, sigma in sigmas})
 
 
 @pytest.fixture(scope="module")
@@ -111,8 +121,7 @@ def test_a_plan_needs_no_poses_and_mirror_classes_do_not_mix():
 
 def test_the_distance_to_the_nearest_rival_is_what_a_fit_of_it_leaves():
     exact = measure(MADE.replace(bending_one_sided=0.003), LOADS, Sensors(camera_sigma=(0.0, 0.0, 0.0)), seed=1)
-    told = replace(exact, **{name: np.full(exact.n, sigma) for name, sigma in
-                             (("sigma_x", 1e-4), ("sigma_z", 1e-4), ("sigma_theta", 1e-3))})  # fmt: skip
+    told = declared(exact)
     found = standing(NECK, told, ("bending_one_sided",))
     seen = told.select(np.flatnonzero(~lock([told], 0)))
     free = ["EA", "GA", "EI"]
@@ -122,10 +131,51 @@ def test_the_distance_to_the_nearest_rival_is_what_a_fit_of_it_leaves():
     assert min(left) == left[0] == pytest.approx(found.apart, rel=0.01)
 
 
+def test_how_far_one_of_two_stands_out_is_what_a_fit_of_the_other_leaves():
+    exact = measure(MADE.replace(bending_one_sided=0.003, camera_z_offset=2e-4), LOADS,
+                    Sensors(camera_sigma=(0.0, 0.0, 0.0)), seed=1)  # fmt: skip
+    told = declared(exact)
+    found = beside(NECK, told, ("bending_one_sided", "camera_z_offset"))
+    seen, free = told.select(np.flatnonzero(~lock([told], 0))), ["EA", "GA", "EI"]
+    for name, rest in (("bending_one_sided", "camera_z_offset"), ("camera_z_offset", "bending_one_sided")):
+        assert found[name] == pytest.approx(np.sqrt(identify(NECK, seen, [*free, rest]).chi2), rel=0.01)
+
+
+def test_instruments_that_drift_by_less_than_their_noise_show_no_effect(clean):
+    """Three channels drift by one standard deviation of their priors: no statistic exceeds the root of 3."""
+    drifting = Sensors(camera_sigma=(0.0, 0.0, 0.0), camera_drift=(3e-5, -3e-5, 3e-4))
+    told = declared(readings(MADE, clean, drifting, seed=1))
+    largest = []
+    for share in (0.3, 0.0):
+        problem = Study(NECK, told).problem()
+        problem.drift = share
+        values, noise = calibrate(problem)
+        largest.append(View.at(problem, values, (), noise, known=True).gates(0.01, 0)[0].statistic)
+    assert largest[0] < np.sqrt(3.0) < largest[1]
+
+
+def test_many_sessions_drift_as_one():
+    for sessions, columns in ((1, 3), (4, 12), (5, 3)):
+        names = np.repeat([f"s{i}" for i in range(sessions)], LOADS.n)
+        many = declared(LOADS.select(np.tile(np.arange(LOADS.n), sessions)))
+        many = replace(many, session=names, x=np.full(many.n, 0.1), z=np.zeros(many.n), theta=np.zeros(many.n))
+        problem = Study(NECK, many).problem()
+        state = problem.state((), {})
+        assert problem.weights(problem.noise(state), state).shift.shape == (many.n, 3, columns)
+
+
 @pytest.mark.parametrize(("name", "size"), [("camera_lag", 6.0), ("slack", 20.0), ("wall", 2000.0)])
 def test_what_is_in_no_catalogue_gets_no_name(name, size):
     found = diagnose(NECK, measure(MADE, LOADS, seed=9, hidden={name: size}))
     assert (found.verdict, found.effects) == ("outside_catalogue", ())
+
+
+def test_an_explanation_that_cannot_be_meant_is_no_answer():
+    """Of a lag of the camera by seven seconds the best pair asks for 23 times the typical memory."""
+    data, _ = hide(effects={"camera_lag": 7.286}, design="T", seed=1855129820, noise="drift+force")
+    found = diagnose(NECK, data)
+    assert (found.verdict, found.effects) == ("outside_catalogue", ())
+    assert all(np.isfinite(model.behind) for model in found.models)
 
 
 def test_a_stop_is_found_at_the_angle_where_it_is(clean):
