@@ -5,7 +5,7 @@ import pytest
 from scipy import integrate, stats
 
 from ecm_fast.data import Measurements
-from ecm_fast.diagnosis.cleaning import Chain, clean, orthonormal, removal
+from ecm_fast.diagnosis.cleaning import Chain, Cleaned, clean, orthonormal, removal
 from ecm_fast.diagnosis.gates import effects_gate, null_quantile, smooth_gate
 from ecm_fast.diagnosis.linear import Gram, one_sided_factor
 from ecm_fast.diagnosis.lock import lock
@@ -96,13 +96,26 @@ def test_the_gates_say_how_rare_their_statistic_is():
     exact = 2.0 * stats.t.sf(gate.statistic, 20.0)
     assert gate.p == pytest.approx(exact, abs=4.0 * np.sqrt(exact / 10_000) + 1e-3)
     nuisances, smooth, residual = rng.standard_normal((50, 3)), rng.standard_normal((50, 5)), rng.standard_normal(50)
-    found = smooth_gate(residual, nuisances, [smooth], 37.0, 0, 0.01)
+    found = smooth_gate(residual, nuisances, [smooth], [37.0], 0, 0.01)
     left = [
         np.sum((residual - m @ np.linalg.lstsq(m, residual, rcond=None)[0]) ** 2)
         for m in (nuisances, np.hstack([nuisances, smooth]))
     ]
     assert found.statistic == pytest.approx((left[0] - left[1]) / 5, rel=1e-9)
     assert found.p == pytest.approx(stats.f.sf(found.statistic, 5, 37.0), rel=1e-9)
+
+
+def test_a_memory_half_known_costs_only_what_changes_slowly():
+    """Exact: a constant and the last of all waves, up and down from row to row, have slowness 1 and -1."""
+    chain = Chain.of(np.zeros(40, dtype=int), np.arange(40))
+    constant, up_and_down = (np.repeat(column, 3)[:, None] for column in (np.ones(40), (-1.0) ** np.arange(40)))
+    assert chain.slowness(constant) == pytest.approx(39 / 40)
+    assert chain.slowness(up_and_down) == pytest.approx(-39 / 40)
+    assert chain.slowness(np.hstack([constant, up_and_down])) == pytest.approx(0.0, abs=1e-12)
+    cleaned = Cleaned(np.zeros((40, 3)), np.ones(3), 0.3, 0.1, 0.0, 100.0, np.zeros(40, dtype=bool))
+    assert cleaned.trusted_dof(0.0) == pytest.approx(100.0)
+    slow = 2.0 * (0.1 / 0.91) ** 2 * 0.09 / (0.09 + 0.01)
+    assert cleaned.trusted_dof() == pytest.approx(1.0 / (0.01 + slow))
 
 
 def test_innovations_of_fading_noise_with_missing_rows_are_independent():

@@ -59,6 +59,12 @@ class Chain:
         fade = np.where(self.before >= 0, memory**self.gap, 0.0).reshape(-1, *[1] * (values.ndim - 1))
         return np.asarray((values - fade * values[self.before]) / np.sqrt(1.0 - fade**2))
 
+    def slowness(self, columns: Array) -> float:
+        """Return how alike neighboring rows are in columns (3 n, q), on average over their directions: at most 1."""
+        own = orthonormal(columns)
+        rows, here = own.reshape(self.before.size, 3, -1), np.flatnonzero(self.before >= 0)
+        return float((rows[here] * rows[self.before[here]]).sum() / max(own.shape[1], 1))
+
 
 @dataclass(frozen=True, eq=False)
 class Cleaned:
@@ -82,13 +88,13 @@ class Cleaned:
     dof: float
     outlier: Mask
 
-    @property
-    def trusted_dof(self) -> float:
+    def trusted_dof(self, slowness: float = 1.0) -> float:
         """Degrees of freedom for rare events: what heavy tails once drawn in, and a memory half known, leave of them.
 
-        What changes slowly has noise of a variance of (1 + r)/(1 - r) where rows remember by r.
+        What changes slowly from row to row has noise of a variance of (1 + r)/(1 - r) where rows remember by r; what
+        is as much up as down, of slowness 0, does not mind.
         """
-        slow = 2.0 * (self.memory_std / (1.0 - self.memory**2)) ** 2
+        slow = 2.0 * (slowness * self.memory_std / (1.0 - self.memory**2)) ** 2
         speaks = self.memory**2 / (self.memory**2 + self.memory_std**2) if self.memory > 0.0 else 0.0
         unknown = (1.0 + _RARE * self.tail) / self.dof + slow * speaks
         return 1.0 / unknown if unknown > 0.0 else np.inf

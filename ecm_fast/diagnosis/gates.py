@@ -61,18 +61,19 @@ def _null(gram: Gram, seen: NDArray[np.bool_], dof: float, seed: int) -> Array:
 
 
 def smooth_gate(
-    residual: Array, nuisances: Array, smooth: Sequence[Array], dof: float, stage: int, alpha: float
+    residual: Array, nuisances: Array, smooth: Sequence[Array], dofs: Sequence[float], stage: int, alpha: float
 ) -> Gate:
     """Return the test by what smooth functions take off the residual (m,) beyond the nuisances (m, p).
 
-    Every kind of them (m, q) is tested alone; the least likely one counts, for as many as there are.
+    Every kind of them (m, q) is tested alone, with its own degrees of freedom behind the noise; the least likely one
+    counts, for as many as there are.
     """
     from scipy.special import fdtrc
 
     from .cleaning import orthonormal
 
     base, least, statistic = orthonormal(nuisances), 1.0, 0.0
-    for columns in smooth:
+    for columns, dof in zip(smooth, dofs, strict=True):
         beyond = orthonormal(columns - base @ (base.T @ columns))
         beyond -= base @ (base.T @ beyond)
         taken = beyond.T @ residual

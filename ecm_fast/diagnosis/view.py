@@ -246,12 +246,13 @@ class View:
         """Return both tests for more than the model has."""
         residual, free, gram = self.rest
         smooth, kinds = self.smoothed(), np.repeat(self.smooth[1], 3)
-        smooth = np.vstack([smooth, np.zeros((len(residual) - len(smooth), smooth.shape[1]))])
+        below = ((0, len(residual) - len(smooth)), (0, 0))
         by_kind = [smooth[:, kinds == kind] for kind in np.unique(kinds)]
-        stage, dof = len(self.model), self.cleaned.trusted_dof
+        dofs = [self.cleaned.trusted_dof(self.chain.slowness(columns)) for columns in by_kind]
+        columns, stage = [np.pad(kind, below) for kind in by_kind], len(self.model)
         return (
-            effects_gate(gram, dof, stage, NAMED * alpha, seed),
-            smooth_gate(residual, free, by_kind, dof, stage, SMOOTH * alpha),
+            effects_gate(gram, self.cleaned.trusted_dof(), stage, NAMED * alpha, seed),
+            smooth_gate(residual, free, columns, dofs, stage, SMOOTH * alpha),
         )
 
     @cached_property
