@@ -28,7 +28,7 @@ Mask = NDArray[np.bool_]
 _FEWEST = 3
 _NEAR_ZERO = 2.0  # standard deviations of a force cell within which its reading is that of a slack tendon
 _ZERO_SHIFT = 0.5  # the mean by which such a reading is off, in the same unit
-_DRIFT = 0.3
+_DRIFT = 0.25
 """How far every instrument may drift in a session and nobody know, as a share of its noise."""
 _SHORT, _FEW = 20, 4  # rows from which on a session drifts, and how many sessions may do so each in its own way
 
