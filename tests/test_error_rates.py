@@ -38,8 +38,11 @@ def oracle(path):
 
 
 def plainly(path, truth, answer):
-    """Tell that every hidden effect stands out."""
-    return {"stands": {name: {"sigmas": 9.0, "apart": 9.0} for name in (*truth.names, *truth.outside)}}
+    """Tell that every hidden effect stands out, of every other pair one effect only where it is alone."""
+    beside = 9.0 if int(path.stem[-1]) % 2 else 3.0
+    return {
+        "stands": {name: {"sigmas": 9.0, "apart": 9.0, "beside": beside} for name in (*truth.names, *truth.outside)}
+    }
 
 
 def test_known_answers_have_known_rates(tool, tmp_path, capsys):
@@ -53,7 +56,9 @@ def test_known_answers_have_known_rates(tool, tmp_path, capsys):
     assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.csv")} == files  # none made again
     rates = json.loads((tmp_path / "rates.json").read_text())["rates"]["grid2"]
     assert rates["false alarm on clean data"] == "0.0% (0 of 4)"
-    assert rates["two effects, each 6 sigma or more: both named"] == "100.0% (20 of 20)"
+    assert rates["two effects, each 6 sigma or more when alone: both named"] == "100.0% (20 of 20)"
+    told = "two effects, each 6 sigma or more alone and beside the other: both named"
+    assert rates[told] == "100.0% (10 of 10)"
     assert rates["outside the catalogue, 8 sigma or more from every entry: said so"] == "0.0% (0 of 16)"
     assert rates["outside the catalogue, 8 sigma or more from every entry: one name alone"] == "100.0% (16 of 16)"
     assert rates["a second name on one effect"] == "-"
