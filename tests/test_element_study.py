@@ -340,7 +340,7 @@ def test_the_command(tmp_path: Path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("neck.toml").write_text("[effects.soft_spot]\nsize = 0.2\n")
     Path("loads.csv").write_text("lam_l_N,lam_r_N,fz_N\n0,120,0\n40,10,-3\n160,0,0\n80,80,1\n")
-    words = ["elements", "--mechanism", "neck.toml", "--loads", "loads.csv", "--tolerance", "1e-6", "--json"]
+    words = ["elements", "--mechanism", "neck.toml", "--loads", "loads.csv", "--tolerance", "1e-7", "--json"]
     assert main([*words, "--out", "here"]) == 0
     out, err = capsys.readouterr()
     said = json.loads(out)
@@ -348,7 +348,7 @@ def test_the_command(tmp_path: Path, capsys, monkeypatch):
     assert all(line.startswith("ecm-fast: ") for line in err.splitlines())
     assert "] times of " in err
     assert said["cases"] == 4
-    assert said["recommended"]["error"] <= 1e-6
+    assert said["recommended"]["error"] <= 1e-7
     assert said["recommended"]["mesh"] == "ending at jumps"
     assert sum(said["recommended"]["shares"]) == pytest.approx(1.0)
     assert said["sentence"].startswith(f"{said['recommended']['name']}: ")
