@@ -20,7 +20,7 @@ from .lock import lock
 from .priors import ROUGHLY, Priors
 from .progress import Progress
 
-__all__ = ["Problem", "Weights"]
+__all__ = ["DRIFT", "Problem", "Weights"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -28,7 +28,7 @@ Mask = NDArray[np.bool_]
 _FEWEST = 3
 _NEAR_ZERO = 2.0  # standard deviations of a force cell within which its reading is that of a slack tendon
 _ZERO_SHIFT = 0.5  # the mean by which such a reading is off, in the same unit
-_DRIFT = 0.25
+DRIFT = 0.25
 """How far every instrument may drift in a session and nobody know, as a share of its noise."""
 _SHORT, _FEW = 20, 4  # rows from which on a session drifts, and how many sessions may do so each in its own way
 
@@ -65,7 +65,7 @@ class Problem:
         progress: Progress | None = None,
     ) -> None:
         self.mechanism, self.data, self.candidates = mechanism, tuple(data), tuple(candidates)
-        self.force_sigma, self.mesh, self.drift = force_sigma, _mesh(1, 5), _DRIFT
+        self.force_sigma, self.mesh, self.drift = force_sigma, _mesh(1, 5), DRIFT
         self.progress = progress or Progress()
         self.keys = (*STIFFNESSES, *(key for key in uncertain if key not in STIFFNESSES))
         self.prior = self._priors(uncertain, priors)

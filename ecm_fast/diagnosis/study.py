@@ -18,7 +18,7 @@ from .doubts import stiffness_doubts
 from .gap import Opened, gap
 from .many import search_all
 from .plan_result import Plan
-from .problem import Problem
+from .problem import DRIFT, Problem
 from .progress import Progress
 from .remainder import remainder
 from .result import Diagnosis, Noise, Rows, Transfer
@@ -175,7 +175,8 @@ def _blank_filled(data: Measurements, pose: NDArray[np.float64]) -> Measurements
 def _in_words(view: View) -> str:
     x, z, theta = (_median(column[np.isfinite(column)]) for column in view.weights.sigma[view.rows].T)
     force = float(np.median(view.noise.force))
-    return f"noise {1e3 * x:.3g} mm, {1e3 * z:.3g} mm, {1e3 * theta:.3g} mrad, forces {force:.3g} N"
+    return (f"noise {1e3 * x:.3g} mm, {1e3 * z:.3g} mm, {1e3 * theta:.3g} mrad, forces {force:.3g} N, and a drift of "
+            f"{DRIFT:g} of it in a session")  # fmt: skip
 
 
 def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagnosis:

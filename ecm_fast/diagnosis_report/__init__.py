@@ -11,6 +11,7 @@ from ..diagnosis import Diagnosis, Plan
 from ..diagnosis.claim_words import MIRRORS, meaning, next_best
 from ..diagnosis.next_result import NextLoads
 from ..diagnosis.parity import Parity
+from ..diagnosis.problem import DRIFT
 from ..mechanism import Mechanism
 from ..parameters import find
 from ..report import Picture, Section, Table, write_report
@@ -227,7 +228,8 @@ def _noise(found: Diagnosis) -> tuple[str, ...]:
     origin = ", ".join(f"{name} {word}" for name, word in noise.origin.items() if word)
     times = ", ".join(f"{value:.2f}" for value in noise.scale)
     return (f"Noise assumed: x {x:.3g} mm, z {z:.3g} mm, θ {theta:.3g} mrad, forces {noise.force:.3g} N ({origin}). "
-            f"What is left is {times} times that in x, z, θ.",)  # fmt: skip
+            f"Each may drift by {DRIFT:g} of it in a session. "
+            f"What is left is {times} times the noise in x, z, θ.",)  # fmt: skip
 
 
 def _outliers(found: Diagnosis) -> tuple[Table, ...]:
