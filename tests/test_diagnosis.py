@@ -154,14 +154,14 @@ def test_instruments_that_drift_by_less_than_their_noise_show_no_effect(clean):
     assert largest[0] < np.sqrt(3.0) < largest[1]
 
 
-def test_many_sessions_drift_as_one():
-    for sessions, columns in ((1, 3), (4, 12), (5, 3)):
-        names = np.repeat([f"s{i}" for i in range(sessions)], LOADS.n)
-        many = declared(LOADS.select(np.tile(np.arange(LOADS.n), sessions)))
-        many = replace(many, session=names, x=np.full(many.n, 0.1), z=np.zeros(many.n), theta=np.zeros(many.n))
-        problem = Study(NECK, many).problem()
+def test_many_files_drift_as_one():
+    blank = replace(declared(LOADS), x=np.full(LOADS.n, 0.1), z=np.zeros(LOADS.n), theta=np.zeros(LOADS.n))
+    for files, columns in ((1, 3), (4, 12), (5, 3)):
+        problem = Study(NECK, [blank] * files).problem()
         state = problem.state((), {})
-        assert problem.weights(problem.noise(state), state).shift.shape == (many.n, 3, columns)
+        shift = problem.weights(problem.noise(state), state).shift
+        assert shift.shape == (files * LOADS.n, 3, columns)
+        assert np.count_nonzero(shift.any(axis=(1, 2))) == files * (LOADS.n - 1)
 
 
 @pytest.mark.parametrize(("name", "size"), [("camera_lag", 6.0), ("slack", 20.0), ("wall", 2000.0)])

@@ -29,8 +29,8 @@ _FEWEST = 3
 _NEAR_ZERO = 2.0  # standard deviations of a force cell within which its reading is that of a slack tendon
 _ZERO_SHIFT = 0.5  # the mean by which such a reading is off, in the same unit
 DRIFT = 0.25
-"""How far every instrument may drift in a session and nobody know, as a share of its noise."""
-_SHORT, _FEW = 20, 4  # rows from which on a session drifts, and how many sessions may do so each in its own way
+"""How far an instrument may drift from the first to the last row of a file and nobody know, as a share of its noise."""
+_SHORT, _FEW = 20, 4  # rows from which on a file drifts, and how many files may do so each in its own way
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,13 +147,13 @@ class Problem:
         return shift if near.any() else shift[:, :, :0]
 
     def _drift(self, force: Array, by_force: Array, by_camera: Array) -> Array:
-        """Return what little the camera's channels and both force cells drift in a session, (n, 3, s)."""
+        """Return what little the camera's channels and both force cells drift in a file, (n, 3, s)."""
         each = self.drift * np.concatenate([by_camera, by_force * force[:, None, None]], axis=2)
-        runs = [self.run == run for run in np.flatnonzero(np.bincount(self.run) >= _SHORT)]
-        elapsed = np.zeros((len(runs), self.run.size))
-        for column, here in zip(elapsed, runs, strict=True):
+        files = [self.rows.member == i for i, part in enumerate(self.data) if part.n >= _SHORT]
+        elapsed = np.zeros((len(files), self.rows.n))
+        for column, here in zip(elapsed, files, strict=True):
             column[here] = np.linspace(0.0, 1.0, int(here.sum()))
-        if len(runs) > _FEW:
+        if len(files) > _FEW:
             elapsed = elapsed.sum(axis=0, keepdims=True)
         found = np.concatenate([each[:, :, :0], *(each * column[:, None, None] for column in elapsed)], axis=2)
         return found[:, :, found.any(axis=(0, 1))]

@@ -228,7 +228,7 @@ def _noise(found: Diagnosis) -> tuple[str, ...]:
     origin = ", ".join(f"{name} {word}" for name, word in noise.origin.items() if word)
     times = ", ".join(f"{value:.2f}" for value in noise.scale)
     return (f"Noise assumed: x {x:.3g} mm, z {z:.3g} mm, θ {theta:.3g} mrad, forces {noise.force:.3g} N ({origin}). "
-            f"Each may drift by {DRIFT:g} of it in a session. "
+            f"Each may drift by {DRIFT:g} of it from the first to the last row. "
             f"What is left is {times} times the noise in x, z, θ.",)  # fmt: skip
 
 
