@@ -5,6 +5,7 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ecm_fast.truth import Truth
@@ -63,6 +64,16 @@ def test_known_answers_have_known_rates(tool, tmp_path, capsys):
     assert rates["outside the catalogue, 8 sigma or more from every entry: one name alone"] == "100.0% (16 of 16)"
     assert rates["a second name on one effect"] == "-"
     assert "| false alarm on clean data | 0.0% (0 of 4) |" in capsys.readouterr().out
+
+
+def test_the_chance_of_an_answer_is_its_share_of_the_evidence(tool):
+    """Two explanations as good as each other halve it; one that is refused, or of two effects, takes nothing."""
+    kinds = [(["creep"], ""), (["ogden"], ""), (["ogden"], "10 times its size"), (["creep", "ogden"], "")]
+    models = [{"names": names, "behind": 0.0, "refused": refused} for names, refused in kinds]
+    assert tool.chance({"effects": [{}], "models": models}) == pytest.approx(0.5)
+    behind = [models[0], models[1] | {"behind": 2.0 * np.log(3.0)}]
+    assert tool.chance({"effects": [{}], "models": behind}) == pytest.approx(0.75)
+    assert tool.chance({"effects": []}) is None
 
 
 def test_answers_are_kept_until_they_are_forgotten(tool, tmp_path, capsys):

@@ -9,6 +9,7 @@ has changed. On clean data every noise is a cell of its own; the other sets take
 
 import argparse
 import json
+import math
 import zlib
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -194,12 +195,16 @@ def work(sealed: Sealed, noises: tuple[str, ...], diagnose: Diagnose | None, tel
 
 
 class Graded(NamedTuple):
-    """A set's cell, the grade of its answer, what only the truth can tell, and what the answer says of the hidden."""
+    """A set's cell, the grade of its answer, what only the truth can tell, and what the answer says of the hidden.
+
+    chance : that it gives its first explanation among all of as many effects, None where it names none
+    """
 
     cell: Cell
     grade: Score
     told: dict[str, Any]
     said: dict[str, Any]
+    chance: float | None
 
     def least(self, what: str) -> float:
         """Return the smallest of the hidden effects' sigmas, or of their distances to rivals."""
@@ -231,14 +236,30 @@ def graded(sets: Iterable[Sealed]) -> list[Graded]:
             said = next((sight for sight in words.get("sights", ()) if truth.names == (sight["name"],)), {})
             if said:
                 said["size"] = abs(truth.effects[CATALOGUE[said["name"]].size.name])
-            found.append(Graded(sealed.cell, score(words, truth), words.get("told", {}), said))
+            found.append(Graded(sealed.cell, score(words, truth), words.get("told", {}), said, chance(words)))
     return found
+
+
+def chance(words: dict[str, Any]) -> float | None:
+    """Return the share of the evidence that an answer's first explanation has among all of as many effects."""
+    behind = [
+        model["behind"]
+        for model in words.get("models", ())
+        if len(model["names"]) == len(words["effects"]) and not model["refused"]
+    ]
+    return 1.0 / sum(math.exp(-0.5 * evidence) for evidence in behind) if behind else None
 
 
 def share(values: Iterable[bool | None]) -> str:
     """Return a rate with its counts; what does not apply is not counted."""
     asked = [value for value in values if value is not None]
     return f"{np.mean(asked):.1%} ({sum(asked)} of {len(asked)})" if asked else "-"
+
+
+def mean(values: Iterable[float | None]) -> str:
+    """Return a mean as a share."""
+    known = [value for value in values if value is not None]
+    return f"{np.mean(known):.1%}" if known else "-"
 
 
 def level(values: Iterable[float | None], *percentiles: float) -> str:
@@ -261,7 +282,7 @@ def rates(scores: list[Graded]) -> dict[str, str]:
     far = [entry for entry in one if entry.least("apart") >= 8.0]
     near = [entry.grade for entry in one if 4.0 <= entry.least("apart") < 8.0]
     alone = [entry.grade for entry in two if entry.least("sigmas") >= 6.0]
-    seen = [entry.grade for entry in two if min(entry.least("sigmas"), entry.least("beside")) >= 6.0]
+    seen = [entry for entry in two if min(entry.least("sigmas"), entry.least("beside")) >= 6.0]
     strong = [entry for entry in claims if entry.least("sigmas") >= 8.0]
     return {
         "false alarm on clean data": share(grade.false_alarm for grade in clean),
@@ -270,6 +291,7 @@ def rates(scores: list[Graded]) -> dict[str, str]:
         "one effect, 4 to 8 sigma: named first": share(bool(grade.top) for grade in near),
         "one effect of any size: reported": share(bool(entry.grade.named) for entry in one),
         "of those: named first": share(entry.grade.top for entry in claims),
+        "of those: the first name's chance by the evidence, on average": mean(entry.chance for entry in claims),
         "of those: truth in the reported set": share(entry.grade.in_set for entry in claims),
         "of those: mean set size": f"{np.mean(sizes):.2f}" if sizes else "-",
         "a name printed alone is right": share(entry.grade.alone_right for entry in one),
@@ -287,9 +309,12 @@ def rates(scores: list[Graded]) -> dict[str, str]:
         "two effects, each 6 sigma or more when alone: both named": share(bool(grade.top) for grade in alone),
         "the same: both in the reported sets": share(bool(grade.in_set) for grade in alone),
         "two effects, each 6 sigma or more alone and beside the other: both named": share(
-            bool(grade.top) for grade in seen
+            bool(entry.grade.top) for entry in seen
         ),
-        "and so: both in the reported sets": share(bool(grade.in_set) for grade in seen),
+        "and so: chance of both by the evidence, on average": mean(
+            entry.chance for entry in seen if len(entry.grade.named) == 2
+        ),
+        "and so: both in the reported sets": share(bool(entry.grade.in_set) for entry in seen),
         "outside the catalogue, 8 sigma or more from every entry: said so": share(
             grade.verdict_right for grade in outside
         ),
