@@ -118,7 +118,7 @@ def _sentences(study: ElementStudy) -> tuple[str, ...]:
     dropped = f" {known.dropped} more hold the neck in no stable pose and are left out." if known.dropped else ""
     spot = (
         ("The stiffness jumps where the soft spot begins and ends. Where an element spans a jump, its higher order "
-         "gains nothing; elements that end there get it back.",)
+         "gains little; elements that end there get it back.",)
         if jumps
         else ()
     )  # fmt: skip
