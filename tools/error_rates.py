@@ -311,7 +311,7 @@ def rates(scores: list[Graded]) -> dict[str, str]:
         "two effects, each 6 sigma or more alone and beside the other: both named": share(
             bool(entry.grade.top) for entry in seen
         ),
-        "and so: chance of both by the evidence, on average": mean(
+        "and so, told two names: chance of both by the evidence, on average": mean(
             entry.chance for entry in seen if len(entry.grade.named) == 2
         ),
         "and so: both in the reported sets": share(bool(entry.grade.in_set) for entry in seen),
