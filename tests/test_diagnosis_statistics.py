@@ -7,10 +7,11 @@ from scipy import integrate, stats
 from ecm_fast.data import Measurements
 from ecm_fast.diagnosis.cleaning import Chain, Cleaned, clean, orthonormal, removal
 from ecm_fast.diagnosis.gates import effects_gate, null_quantile, smooth_gate
-from ecm_fast.diagnosis.linear import Gram, one_sided_factor
+from ecm_fast.diagnosis.linear import Gram
 from ecm_fast.diagnosis.lock import lock
 from ecm_fast.diagnosis.priors import Priors
 from ecm_fast.diagnosis.region import scan
+from ecm_fast.diagnosis.size_prior import size_factor
 
 ALL = np.zeros(3, dtype=bool)
 
@@ -23,29 +24,57 @@ def system():
     return residual, nuisances, signatures
 
 
-def evidence(residual, nuisances, signatures):
-    """Return twice the log density ratio of what is orthogonal to the nuisances, with and without the effects."""
+ONE_SIDED = np.arange(6) % 2 == 0
+
+
+def likelihood(residual, nuisances, signatures):
+    """Return the density ratio of what is orthogonal to the nuisances, as a function of sizes in prior deviations."""
     rest = np.linalg.svd(nuisances)[0][:, nuisances.shape[1] :].T
     r, s = rest @ residual, rest @ signatures
-    null = np.eye(len(r))
-    return 2.0 * (
-        stats.multivariate_normal(cov=null + s @ s.T).logpdf(r) - stats.multivariate_normal(cov=null).logpdf(r)
-    )
+
+    def of(*sizes):
+        return np.exp(s.T @ r @ sizes - 0.5 * np.sum((s @ sizes) ** 2))
+
+    return of
 
 
-def test_evidence_of_every_effect_and_pair_is_that_of_the_normal_densities(system):
+def density(size, one_sided):
+    """Nine in ten sizes log-normal about the typical one, which is 1/1.2 prior deviations, the rest normal."""
+    if one_sided and size < 0.0:
+        return 0.0
+    log_normal = stats.lognorm.pdf(abs(size), 0.5, scale=1.0 / 1.2) / 2.0
+    return (0.9 * log_normal + 0.1 * stats.norm.pdf(size)) * (2.0 if one_sided else 1.0)
+
+
+@pytest.mark.parametrize("i", range(6))
+def test_evidence_of_an_effect_is_the_integral_over_its_sizes(system, i):
     residual, nuisances, signatures = system
-    gram = Gram.of(residual, nuisances, signatures, np.zeros(6, dtype=bool), np.zeros(6))
-    singles, _ = gram.singles()
-    np.testing.assert_allclose(
-        singles, [evidence(residual, nuisances, signatures[:, [i]]) for i in range(6)], rtol=1e-9
-    )
-    pairs = gram.pairs()
-    brute = [
-        evidence(residual, nuisances, signatures[:, [i, j]]) for i, j in zip(pairs.first, pairs.second, strict=True)
-    ]
-    np.testing.assert_allclose(pairs.evidence, brute, rtol=1e-9)
-    assert len(brute) == 15
+    singles, _ = Gram.of(residual, nuisances, signatures, ONE_SIDED, np.zeros(6)).singles()
+    of = likelihood(residual, nuisances, signatures[:, [i]])
+    whole = integrate.quad(
+        lambda c: density(c, ONE_SIDED[i]) * of(c), -6.0, 6.0, points=[0.0, 1.0, 2.0], limit=200, epsabs=0.0
+    )[0]
+    assert singles[i] == pytest.approx(2.0 * np.log(whole), abs=2e-3)
+
+
+def test_evidence_of_pairs_is_the_integral_over_both_sizes(system):
+    """But for what the two sizes have to do with each other, which matters where the data do not ask for a pair."""
+    residual, nuisances, signatures = system
+    pairs = Gram.of(residual, nuisances, signatures, ONE_SIDED, np.zeros(6)).pairs()
+    assert len(pairs.evidence) == 15
+    grid = np.linspace(-4.0, 5.0, 901)
+    prior = np.array([[density(c, one_sided) for c in grid] for one_sided in (False, True)])
+    for i, j, evidence in zip(pairs.first, pairs.second, pairs.evidence, strict=True):
+        rest = np.linalg.svd(nuisances)[0][:, 3:].T
+        r, s = rest @ residual, rest @ signatures[:, [i, j]]
+        u, v = np.meshgrid(grid, grid, indexing="ij")
+        g = s.T @ s
+        log = s[:, 0] @ r * u + s[:, 1] @ r * v - 0.5 * (g[0, 0] * u**2 + 2.0 * g[0, 1] * u * v + g[1, 1] * v**2)
+        whole = prior[int(ONE_SIDED[i])] @ np.exp(log - log.max()) @ prior[int(ONE_SIDED[j])] * (grid[1] - grid[0]) ** 2
+        exact = 2.0 * (np.log(whole) + log.max())
+        assert (evidence > 0.0) == (exact > 0.0)
+        if exact > 0.0:
+            assert evidence == pytest.approx(exact, abs=0.1)
 
 
 def test_an_effect_made_free_leaves_what_least_squares_leaves(system):
@@ -59,18 +88,22 @@ def test_an_effect_made_free_leaves_what_least_squares_leaves(system):
         assert gram.scores()[i] == pytest.approx(column @ left / np.linalg.norm(column), rel=1e-7)
 
 
-@pytest.mark.parametrize("mean", [-2.0, -0.3, 0.0, 1.5])
-def test_a_size_that_can_only_be_positive_has_the_evidence_of_half_a_prior(mean):
-    def integral(lower, height):
-        def density(c):
-            return height * stats.norm.pdf(c) * np.exp(-0.5 * 9.0 * (c - mean) ** 2)
+@pytest.mark.parametrize("one_sided", [False, True])
+@pytest.mark.parametrize("mean", [-2.0, -0.3, 0.0, 0.2, 1.5, 4.0])
+@pytest.mark.parametrize("sigmas", [0.0, 1.0, 9.0])
+def test_the_gain_of_typical_sizes_is_the_ratio_of_two_integrals(mean, sigmas, one_sided):
+    """The data say ``mean`` with so many ``sigmas`` to the prior deviation; 0 says nothing, nothing is gained."""
 
-        return integrate.quad(density, lower, 12.0, points=[max(mean, lower)], epsabs=1e-14)[0]
+    def integral(of):
+        at = (0.0, 0.5, 1.0, mean, (info := sigmas**2) * mean / (1.0 + info))
+        return integrate.quad(
+            lambda c: of(c) * np.exp(-0.5 * info * (c - mean) ** 2), -8.0, 8.0, points=sorted(at), limit=400
+        )[0]
 
-    ratio = integral(0.0, 2.0) / integral(-12.0, 1.0)
-    sigmas = 0.9 * mean * np.sqrt(10.0)
-    assert one_sided_factor(np.array([sigmas]), np.array([True]))[0] == pytest.approx(2.0 * np.log(ratio), abs=1e-7)
-    assert one_sided_factor(np.array([sigmas]), np.array([False]))[0] == 0.0
+    exact = 2.0 * np.log(integral(lambda c: density(c, one_sided)) / integral(stats.norm.pdf))
+    info = sigmas**2
+    size, std = info * mean / (1.0 + info), 1.0 / np.sqrt(1.0 + info)
+    assert size_factor(np.array([size]), np.array([std]), np.array([one_sided]))[0] == pytest.approx(exact, abs=5e-3)
 
 
 def test_the_largest_score_exceeds_its_quantile_as_often_as_was_asked_for():

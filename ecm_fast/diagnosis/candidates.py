@@ -11,6 +11,7 @@ from ..effects import CATALOGUE, Effect
 from ..errors import InputError, did_you_mean
 from ..mechanism import Mechanism
 from ..parameters import find, index, pack
+from .size_prior import SIZE_SPREAD
 
 __all__ = ["GROUPS", "Candidate", "chosen", "lacking", "uncertain_parameters"]
 
@@ -27,7 +28,7 @@ class Candidate:
     effect : its entry in the catalogue
     keys : of its parameters in the vector, the size first
     start : their values in the mechanism
-    spread : standard deviations of their priors: 1.2 times typical for the size
+    spread : standard deviations of the priors that fits work with
     lower, upper : bounds
     """
 
@@ -65,10 +66,6 @@ class Candidate:
             tuple(entry.lower for entry in entries),
             tuple(entry.upper for entry in entries),
         )
-
-
-SIZE_SPREAD = 1.2
-"""Standard deviation of a size's prior, in typical sizes."""
 
 
 def chosen(names: Iterable[str] | None, mechanism: Mechanism) -> list[Candidate]:

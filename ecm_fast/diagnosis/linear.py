@@ -1,7 +1,8 @@
 """All effects at once on the linear model: scores, evidence of every effect and every pair, from one Gram matrix.
 
 Everything is whitened and in units of each effect's prior: residual = A nuisances + S sizes + noise of unit size,
-sizes ~ N(0, 1), nuisances free or with priors of their own, which are rows of A.
+sizes ~ N(0, 1), nuisances free or with priors of their own, which are rows of A. Evidence knows more of the sizes, see
+`size_factor`.
 """
 
 from dataclasses import dataclass, field
@@ -10,7 +11,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Gram", "Pairs", "one_sided_factor"]
+from .size_prior import size_factor
+
+__all__ = ["Gram", "Pairs"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -105,7 +108,7 @@ class Gram:
         score, info = self.at_zero(), np.diag(self.gram)
         size = score / (1.0 + info)
         evidence = score * size - np.log1p(info)
-        return evidence + one_sided_factor(size * np.sqrt(1.0 + info), self.one_sided), size
+        return evidence + size_factor(size, 1.0 / np.sqrt(1.0 + info), self.one_sided), size
 
     def pairs(self) -> Pairs:
         """Return the evidence of all pairs."""
@@ -116,13 +119,6 @@ class Gram:
         u, v = score[first], score[second]
         size_u, size_v = (d * u - b * v) / determinant, (a * v - b * u) / determinant
         evidence = u * size_u + v * size_v - np.log(determinant)
-        evidence += one_sided_factor(size_u * np.sqrt(determinant / d), self.one_sided[first])
-        evidence += one_sided_factor(size_v * np.sqrt(determinant / a), self.one_sided[second])
+        evidence += size_factor(size_u, np.sqrt(d / determinant), self.one_sided[first])
+        evidence += size_factor(size_v, np.sqrt(a / determinant), self.one_sided[second])
         return Pairs(first, second, evidence)
-
-
-def one_sided_factor(sigmas: Array, one_sided: Mask) -> Array:
-    """Return what evidence gains, or loses, because a size can only be positive: 2 log(2 Phi(sigmas))."""
-    from scipy.special import log_ndtr
-
-    return np.where(one_sided, 2.0 * (np.log(2.0) + log_ndtr(sigmas)), 0.0)

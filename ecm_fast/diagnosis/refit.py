@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..least_squares import Minimum, minimize
 from .compliance import Scales
-from .linear import one_sided_factor
+from .size_prior import size_factor
 from .view import View
 
 __all__ = ["Fit", "refit"]
@@ -125,8 +125,9 @@ def _judged(found: Minimum, view: View, model: tuple[int, ...], keys: tuple[str,
         evidence += float(np.linalg.slogdet(own)[1])
         sizes = np.cumsum([0, *(len(member.keys) for member in members)])[:-1]
         start = np.array([own for member in members for own in member.start])
-        sigmas = ((found.values[calibrated:p] - start) / np.sqrt(np.diag(covariance)[calibrated:p]))[sizes]
-        evidence += float(one_sided_factor(sigmas, np.array([member.one_sided for member in members])).sum())
+        size = ((found.values[calibrated:p] - start) / spread)[sizes]
+        std = np.sqrt(np.diag(own))[sizes]
+        evidence += float(size_factor(size, std, np.array([member.one_sided for member in members])).sum())
     slope = scales.slope(found.values[:p])
     covariance = covariance[:p, :p] * np.outer(slope, slope)
     return Fit(model, keys, scales.values(found.values[:p]), covariance, found.total, evidence, found.settled)

@@ -3,10 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from .candidates import SIZE_SPREAD, lacking
+from .candidates import lacking
 from .elsewhere import elsewhere
 from .gates import NAMED, null_quantile
 from .result import Sight
+from .size_prior import SIZE_SPREAD
 from .view import View
 
 __all__ = ["distances", "sights"]
