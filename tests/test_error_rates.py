@@ -11,7 +11,7 @@ import pytest
 from ecm_fast.truth import Truth
 
 ROOT = Path(__file__).resolve().parents[1]
-WORDS = ("--count", "2", "--designs", "grid2", "--noises", "white", "force")
+WORDS = ("--count", "2", "--designs", "grid2", "--noises", "white", "force", "--materials", "unknown")
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +24,7 @@ def tool():
     del sys.modules["error_rates"]
 
 
-def oracle(path):
+def oracle(path, priors):
     """Answer as one who has looked, but takes what is outside the catalogue for creep."""
     truth = Truth.from_json(path.with_suffix(".truth.json"))
     effects = [
@@ -38,7 +38,7 @@ def oracle(path):
     return {"verdict": "named" if effects else "nothing_found", "effects": effects}
 
 
-def plainly(path, truth, answer):
+def plainly(path, truth, answer, priors):
     """Tell that every hidden effect stands out, of every other pair one effect only where it is alone."""
     beside = 9.0 if int(path.stem[-1]) % 2 else 3.0
     return {
@@ -55,7 +55,7 @@ def test_known_answers_have_known_rates(tool, tmp_path, capsys):
     assert len(files) == count
     assert tool.main(words, diagnose=oracle, tell=plainly) == 0
     assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.csv")} == files  # none made again
-    rates = json.loads((tmp_path / "rates.json").read_text())["rates"]["grid2"]
+    rates = json.loads((tmp_path / "rates.json").read_text())["unknown"]["rates"]["grid2"]
     assert rates["false alarm on clean data"] == "0.0% (0 of 4)"
     assert rates["two effects, each 6 sigma or more when alone: both named"] == "100.0% (20 of 20)"
     told = "two effects, each 6 sigma or more alone and beside the other: both named"
@@ -80,7 +80,7 @@ def test_answers_are_kept_until_they_are_forgotten(tool, tmp_path, capsys):
     words = ["--folder", str(tmp_path), "--groups", "clean", *WORDS]
     alarm = {"verdict": "named", "effects": [{"name": "creep", "parameters": {"creep": 0.1}}]}
     for diagnose, more, said in (
-        (lambda path: alarm, (), "100.0% (4 of 4)"),
+        (lambda path, priors: alarm, (), "100.0% (4 of 4)"),
         (oracle, (), "100.0% (4 of 4)"),
         (oracle, ("--forget",), "0.0% (0 of 4)"),
     ):

@@ -4,7 +4,8 @@
 
 Sets lie in the folder, one file of measurements, one of the truth and one of the answer each. What is there is not made
 again, so that a run can be stopped and taken up, and answers alone can be thrown away (`--forget`) when the diagnosis
-has changed. On clean data every noise is a cell of its own; the other sets take the noises in turn.
+has changed. On clean data every noise is a cell of its own; the other sets take the noises in turn. Every set is
+answered twice: told what material tests say of EA, GA and EI, as the paper's do, and told nothing but the file.
 """
 
 import argparse
@@ -28,13 +29,22 @@ from ecm_fast.effects import CATALOGUE
 from ecm_fast.errors import InputError
 from ecm_fast.files import write_whole
 from ecm_fast.hiding import hide
+from ecm_fast.parameters import find
 from ecm_fast.scoring import Score, score
 from ecm_fast.testbed import BUILT_IN, OUTSIDE
 from ecm_fast.truth import Truth
 
 README = Path(__file__).resolve().parent.parent / "README.md"
 START, END = "<!-- error rates: written by tools/error_rates.py -->", "<!-- end of error rates -->"
-DESIGNS = ("T", "T+S", "T+S+C+M+W")
+DESIGNS = {
+    "T": "81 tip poses (T)",
+    "T+S": "and nine side forces (T+S)",
+    "T+S+C+M+W": "and pushes, couples, 2 kg more (T+S+C+M+W)",
+}
+MATERIALS = {
+    "known": "EA, GA and EI known from material tests, to 1 %, 0.7 % and 0.3 %:",
+    "unknown": "Nothing known of EA, GA and EI but their order of magnitude:",
+}
 NOISES = (
     "white",
     "force",
@@ -50,8 +60,10 @@ NOISES = (
 GROUPS = ("clean", "effects", "pairs", "outside")
 SETS_OF_A_PAIR_CELL = 10
 """Pairs are drawn at random from a cell of their own, this many times as many as of one effect."""
-Diagnose = Callable[[Path], dict[str, Any]]
-Tell = Callable[[Path, Truth, dict[str, Any]], dict[str, Any]]
+Told = dict[str, tuple[float, float]]
+"""What a diagnosis is told beside the file: values and standard deviations of material tests by name."""
+Diagnose = Callable[[Path, Told], dict[str, Any]]
+Tell = Callable[[Path, Truth, dict[str, Any], Told], dict[str, Any]]
 BUILD = ("geometry", "frame", "undeclared")
 """Noises that say what is built and done; the others are those of the instruments."""
 INVISIBLE = 2.0
@@ -77,6 +89,17 @@ class Sealed(NamedTuple):
     number: int
     folder: Path
     run: int = 0
+    materials: str = "known"
+
+    @property
+    def answer(self) -> Path:
+        """Where its answer is."""
+        return Path(f"{self.stem}.{self.materials}.answer.json")
+
+    @property
+    def priors(self) -> Told:
+        """What its diagnosis is told: the test bed draws the stiffnesses with the same scatter."""
+        return material_tests() if self.materials == "known" else {}
 
     @property
     def stem(self) -> str:
@@ -93,6 +116,12 @@ class Sealed(NamedTuple):
         """Different for every set, the same on every machine."""
         run = f"{self.run}/" if self.run else ""
         return zlib.crc32(f"{run}{self.cell.group}/{self.cell.design}/{self.cell.name}/{self.number}".encode())
+
+
+def material_tests() -> Told:
+    """Return what tests of the material would say of the neck: its values, and their scatter in the paper."""
+    beam = ecm.Mechanism().beam
+    return {name: (getattr(beam, name), find(name).typical) for name in ("EA", "GA", "EI")}
 
 
 def cells(groups: Iterable[str], designs: Iterable[str], noises: tuple[str, ...], count: int) -> Iterator[Cell]:
@@ -135,25 +164,25 @@ def generate(sealed: Sealed, noises: tuple[str, ...]) -> bool:
     return True
 
 
-def diagnosed(path: Path) -> dict[str, Any]:
-    """Return the answer of the package about a file of measurements, of which it is told nothing else."""
-    answer: dict[str, Any] = ecm.diagnose(ecm.Mechanism(), read_measurements(path)).to_json_dict()
+def diagnosed(path: Path, priors: Told) -> dict[str, Any]:
+    """Return the answer of the package about a file of measurements."""
+    answer: dict[str, Any] = ecm.diagnose(ecm.Mechanism(), read_measurements(path), priors=priors).to_json_dict()
     return answer
 
 
-def told(path: Path, truth: Truth, answer: dict[str, Any]) -> dict[str, Any]:
+def told(path: Path, truth: Truth, answer: dict[str, Any], priors: Told) -> dict[str, Any]:
     """Return what only the truth can tell: how far each hidden effect stands out, and how much of the gap is closed."""
     if truth.kind == "clean":
         return {}
     neck, read, hidden = ecm.Mechanism(), read_measurements(path), {**truth.effects, **truth.outside}
     names, exact, stands = (*truth.names, *truth.outside), still(truth, hidden, read), {}
     if len(names) == 1:
-        stands[names[0]] = asdict(standing(neck, exact, names))
+        stands[names[0]] = asdict(standing(neck, exact, names, priors=priors))
     else:  # what one of two would show alone
         for name in names:
             own = {key: value for key, value in hidden.items() if key.partition(".")[0] == name}
-            stands[name] = asdict(standing(neck, still(truth, own, read), names, rivals=0))
-        for name, sigmas in beside(neck, exact, names).items():
+            stands[name] = asdict(standing(neck, still(truth, own, read), names, rivals=0, priors=priors))
+        for name, sigmas in beside(neck, exact, names, priors=priors).items():
             stands[name]["beside"] = sigmas
     return {"stands": stands, "closed": closed(exact, read, answer)}
 
@@ -186,11 +215,11 @@ def work(sealed: Sealed, noises: tuple[str, ...], diagnose: Diagnose | None, tel
     """Make a set and its answer, where either is missing; False where there is none."""
     if not generate(sealed, noises):
         return False
-    answer, data = Path(f"{sealed.stem}.answer.json"), Path(f"{sealed.stem}.csv")
-    if diagnose is not None and not answer.exists():
-        found = diagnose(data)
-        found["told"] = tell(data, Truth.from_json(f"{sealed.stem}.truth.json"), found)
-        write_whole(answer, json.dumps(found) + "\n")
+    data, priors = Path(f"{sealed.stem}.csv"), sealed.priors
+    if diagnose is not None and not sealed.answer.exists():
+        found = diagnose(data, priors)
+        found["told"] = tell(data, Truth.from_json(f"{sealed.stem}.truth.json"), found, priors)
+        write_whole(sealed.answer, json.dumps(found) + "\n")
     return True
 
 
@@ -229,10 +258,9 @@ def graded(sets: Iterable[Sealed]) -> list[Graded]:
     """Return the grades of all answers that are there."""
     found = []
     for sealed in sets:
-        answer = Path(f"{sealed.stem}.answer.json")
-        if answer.exists():
+        if sealed.answer.exists():
             truth = Truth.from_json(f"{sealed.stem}.truth.json")
-            words = json.loads(answer.read_text(encoding="utf-8"))
+            words = json.loads(sealed.answer.read_text(encoding="utf-8"))
             said = next((sight for sight in words.get("sights", ()) if truth.names == (sight["name"],)), {})
             if said:
                 said["size"] = abs(truth.effects[CATALOGUE[said["name"]].size.name])
@@ -341,7 +369,8 @@ def _size_covered(scores: Iterable[Score]) -> Iterator[bool]:
 
 def table(by_design: dict[str, dict[str, str]]) -> list[str]:
     """Return the lines of a table, one column a design."""
-    lines = [f"| | {' | '.join(by_design)} |", f"|---|{'---|' * len(by_design)}"]
+    names = [DESIGNS.get(design, design) for design in by_design]
+    lines = [f"| | {' | '.join(names)} |", f"|---|{'---|' * len(names)}"]
     for what in next(iter(by_design.values())):
         lines += [f"| {what} | {' | '.join(column[what] for column in by_design.values())} |"]
     return lines
@@ -373,28 +402,38 @@ def main(words: list[str] | None = None, diagnose: Diagnose = diagnosed, tell: T
     """Make what is missing, and write the rates to ``rates.json`` and, if asked, to the README."""
     args = _arguments(words)
     chosen = tuple(cells(args.groups, args.designs, tuple(args.noises), args.count))
-    sets = [Sealed(cell, number, args.folder, args.seed) for cell in chosen for number in range(cell.count)]
-    if args.forget:
-        for sealed in sets:
-            Path(f"{sealed.stem}.answer.json").unlink(missing_ok=True)
+    sets = {
+        materials: [Sealed(cell, number, args.folder, args.seed, materials) for cell in chosen
+                    for number in range(cell.count)] for materials in args.materials
+    }  # fmt: skip
     task = partial(work, noises=tuple(args.noises), diagnose=None if args.generate_only else diagnose, tell=tell)
-    if args.jobs > 1:
-        with ProcessPoolExecutor(args.jobs) as pool:
-            done = list(pool.map(task, sets, chunksize=8))
-    else:
-        done = [task(sealed) for sealed in sets]
-    print(f"{sum(done)} of {len(sets)} sets")
+    lines, summary = list[str](), dict[str, Any]()
+    for materials, own in sets.items():
+        if args.forget:
+            for sealed in own:
+                sealed.answer.unlink(missing_ok=True)
+        print(f"{sum(_each(task, own, args.jobs))} of {len(own)} sets")
+        if args.generate_only:
+            continue
+        scores = graded(own)
+        columns = {design: rates([entry for entry in scores if entry.cell.design == design]) for design in args.designs}
+        lines += ["", MATERIALS[materials], "", *table(columns)]
+        summary[materials] = {"rates": columns, "effects": by_effect(scores)}
     if args.generate_only:
         return 0
-    scores = graded(sets)
-    columns = {design: rates([entry for entry in scores if entry.cell.design == design]) for design in args.designs}
-    lines = table(columns)
-    summary = {"rates": columns, "effects": by_effect(scores)}
     write_whole(args.folder / "rates.json", json.dumps(summary, indent=1) + "\n")
     print("\n".join(lines))
     if args.readme:
         rewrite(lines)
     return 0
+
+
+def _each(task: Callable[[Sealed], bool], sets: list[Sealed], jobs: int) -> list[bool]:
+    """Return what a task returns for every set."""
+    if jobs < 2:
+        return [task(sealed) for sealed in sets]
+    with ProcessPoolExecutor(jobs) as pool:
+        return list(pool.map(task, sets, chunksize=8))
 
 
 def _arguments(words: list[str] | None) -> argparse.Namespace:
@@ -403,8 +442,9 @@ def _arguments(words: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--count", type=int, default=20, help="sets of a cell")
     parser.add_argument("--seed", type=int, default=0, help="of all sets; another number makes fresh ones")
     parser.add_argument("--groups", nargs="+", default=GROUPS, choices=GROUPS)
-    parser.add_argument("--designs", nargs="+", default=DESIGNS)
+    parser.add_argument("--designs", nargs="+", default=[*DESIGNS])
     parser.add_argument("--noises", nargs="+", default=NOISES)
+    parser.add_argument("--materials", nargs="+", default=[*MATERIALS], choices=[*MATERIALS], help="what is told")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--generate-only", action="store_true", help="make the sets, diagnose none")
     parser.add_argument("--forget", action="store_true", help="throw away answers first")

@@ -1,6 +1,6 @@
 """How far what is hidden in simulated poses is from everything that could be taken for it."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,8 @@ from .study import Study
 from .view import View
 
 __all__ = ["Standing", "beside", "standing"]
+
+Priors = Mapping[str, tuple[float, float]]
 
 _AGAIN = 6
 _ANY = 1e3
@@ -36,13 +38,19 @@ class Standing:
     rival: str
 
 
-def standing(mechanism: Mechanism, data: Measurements, hidden: Collection[str] = (), rivals: int = 8) -> Standing:
+def standing(
+    mechanism: Mechanism,
+    data: Measurements,
+    hidden: Collection[str] = (),
+    rivals: int = 8,
+    priors: Priors | None = None,
+) -> Standing:
     """Return how far poses without noise are from the nearest explanation by another effect than those `hidden`.
 
     So many `rivals`, those that come nearest in the linear model, are fitted in full with EA, GA and EI, to the rows
-    that a diagnosis would see; what the fit leaves is the distance, whatever its size.
+    that a diagnosis would see; what the fit, `priors` of those included, leaves is the distance, whatever its size.
     """
-    view, null = _of_any_size(mechanism, data)
+    view, null = _of_any_size(mechanism, data, priors)
     candidates = view.problem.candidates
     evidence = np.where(view.gram.norm > 0.0, view.gram.singles()[0], -np.inf)
     near = [int(i) for i in np.argsort(-evidence) if candidates[i].name not in hidden][:rivals]
@@ -51,21 +59,23 @@ def standing(mechanism: Mechanism, data: Measurements, hidden: Collection[str] =
     return Standing(float(np.sqrt(max(null.total, 0.0))), float(np.sqrt(max(least, 0.0))), rival)
 
 
-def beside(mechanism: Mechanism, data: Measurements, hidden: Collection[str]) -> dict[str, float]:
+def beside(
+    mechanism: Mechanism, data: Measurements, hidden: Collection[str], priors: Priors | None = None
+) -> dict[str, float]:
     """Return how far each of two hidden effects stands out where the other one, of any size, is in the model [sigma].
 
     data : poses without noise that hold both
     """
-    view, _ = _of_any_size(mechanism, data)
+    view, _ = _of_any_size(mechanism, data, priors)
     place = {candidate.name: i for i, candidate in enumerate(view.problem.candidates)}
     one, other = hidden
     return {name: float(np.sqrt(max(_left(view, _settled(view, place[rest])), 0.0)))
             for name, rest in ((one, other), (other, one))}  # fmt: skip
 
 
-def _of_any_size(mechanism: Mechanism, data: Measurements) -> tuple[View, Fit]:
+def _of_any_size(mechanism: Mechanism, data: Measurements, priors: Priors | None) -> tuple[View, Fit]:
     """Return the view in which effects may be as large as they like, and the fit without any."""
-    problem = Study(mechanism, data).problem()
+    problem = Study(mechanism, data, priors=priors or {}).problem()
     problem.drift = 0.0
     problem.candidates = tuple(replace(entry, spread=(_ANY * entry.typical, *entry.spread[1:])) for entry in
                                problem.candidates)  # fmt: skip
