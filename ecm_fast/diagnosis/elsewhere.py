@@ -1,4 +1,4 @@
-"""What other loads would show of effects that the loads at hand do not."""
+"""What other loads, or tests of the material, would show of effects that the loads at hand do not."""
 
 from dataclasses import replace
 from typing import Any
@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..parameters import find
+from .compliance import STIFFNESSES
 from .pool import Pool
 from .problem import Problem
 from .view import View
 
-__all__ = ["GROUPS", "elsewhere"]
+__all__ = ["GROUPS", "MATERIAL_TESTS", "elsewhere"]
 
 Array = NDArray[np.float64]
 
@@ -21,6 +23,9 @@ GROUPS = {
     "the test bed tilted to both sides": ("tilt", "tilt-back"),
 }
 """What one can do next, by the add-ons of `pool.ADD_ONS`: the loads of one kind are measured once each."""
+
+MATERIAL_TESTS = "tests of the material, given as --prior for EA, GA and EI"
+"""The same without a load: the scatter of such tests is taken to be what is typical of a stiffness."""
 
 
 def elsewhere(view: View) -> tuple[tuple[str, ...], Array]:
@@ -44,9 +49,22 @@ def elsewhere(view: View) -> tuple[tuple[str, ...], Array]:
     columns[:, :, free:] = by[:, :, [place[candidate.keys[0]] for candidate in problem.candidates]] * spread
     priors = np.zeros((len(view.free) - readings, len(spread)))
     here = np.hstack([view.free, np.vstack([view.flat(view.sizes), priors])])
-    found = np.array([_sigmas(here, columns[np.isin(pool.add_on, own)], free) for own in GROUPS.values()])
+    ways = {name: columns[np.isin(pool.add_on, own)] for name, own in GROUPS.items()}
+    if (tests := _material_tests(problem)).size:
+        ways[MATERIAL_TESTS] = np.pad(tests, ((0, 0), (0, columns.shape[2] - calibrated)))
+    found = np.array([_sigmas(here, more, free) for more in ways.values()])
     best = np.argmax(found, axis=0)
-    return tuple(np.array(list(GROUPS))[best].tolist()), found.max(axis=0)
+    return tuple(np.array(list(ways))[best].tolist()), found.max(axis=0)
+
+
+def _material_tests(problem: Problem) -> Array:
+    """Return rows (q, p) of tests of every stiffness, where the problem does not know them yet."""
+    rows = np.zeros((len(STIFFNESSES), len(problem.keys)))
+    for row, key in zip(rows, STIFFNESSES, strict=True):
+        place, entry = problem.keys.index(key), find(key)
+        scatter = entry.typical / entry.default * problem.start([key])[0]
+        row[place] = problem.prior.rough[place] / scatter
+    return rows[rows.any(axis=1)]
 
 
 def _problem(view: View, pool: Pool) -> Problem:

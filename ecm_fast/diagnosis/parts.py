@@ -119,8 +119,8 @@ class Sight:
     rivals : nearest others: name, cosine, sigmas that a typical size is away from them
     visible : ``named``, ``seen`` (but not told from its rivals), ``absorbed`` by the calibration or ``invisible``
     needs : columns that are missing for it to show
-    shown_by, shown_sigmas : where it does not show: what would show it, one reading of each load of a kind, and the
-        sigmas that a typical size would then have; empty and 0 where nothing on this test bed does
+    shown_by, shown_sigmas : where it does not show: what would, one reading of each load of a kind or tests of the
+        material, and the sigmas that a typical size would then have; empty and 0 where nothing on this test bed does
     """
 
     name: str
