@@ -188,6 +188,14 @@ def test_a_stop_is_found_at_the_angle_where_it_is(clean):
     assert low < 0.3 < high < 0.33
 
 
+def test_two_rows_that_a_stop_moves_are_no_outliers_wherever_it_is():
+    """Two of the open rows bend further to its side than the angle, which nobody expects there."""
+    stop = {"effects.contact_stop_one_sided.stiffness": 8.0, "effects.contact_stop_one_sided.angle": 0.36}
+    found = diagnose(NECK, measure(MADE.replace(**stop), LOADS, seed=1))
+    assert found.names == ("contact_stop_one_sided",)
+    assert not found.rows.outlier.any()
+
+
 def test_rows_that_a_stop_moves_are_no_outliers_and_outliers_are_no_stop(clean):
     made = MADE.replace(**{"effects.contact_stop.stiffness": 9.0, "effects.contact_stop.angle": 0.385})
     stopped = measure(made, LOADS, seed=6)

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..identification_rows import DECLARED
 from .cleaning import orthonormal, removal
+from .further import most_evidence
 from .result import Gate
 from .view import View
 
@@ -39,7 +40,7 @@ def on_more_than_a_row(view: View, alpha: float, seed: int) -> tuple[View, tuple
         if not any(gate.alarm for gate in gates):
             whole, rest = view.rest[2], reduced.rest[2]
             astray = whole.left - rest.left - _ASTRAY * dropped
-            named = dropped and float(whole.singles()[0].max(initial=0.0)) > astray
+            named = dropped and most_evidence(view) > astray
             return (view, first) if named else (reduced, gates)
     return view, first
 
