@@ -20,10 +20,10 @@ __all__ = ["LIMITS", "Fits", "Found", "onward", "refused", "search", "search_fro
 Array = NDArray[np.float64]
 Fits = tuple[View, Fit, list[Fit]]  # the view at the best explanation, the fit without effects there, and theirs
 
-LIMITS = {1: 3.6, 2: 9.2}
+LIMITS = {1: 5.0, 2: 9.2}
 """Evidence that a model of so many effects may lack to the best one and still be told from it by nobody.
 
-A given wrong rival leads the truth by that much with a chance of at most Phi(-sqrt(limit)), 2.9 % of one effect's."""
+A given wrong rival leads the truth by that much with a chance of at most Phi(-sqrt(limit)), 1.3 % of one effect's."""
 _PLAUSIBLE = 10.0
 """Typical sizes beyond which a name is refused."""
 _LEFT, _SINGLES, _PAIRS = 30.0, 12, 30
