@@ -58,6 +58,9 @@ def test_known_answers_have_known_rates(tool, tmp_path, capsys):
     rates = json.loads((tmp_path / "rates.json").read_text())["unknown"]["rates"]["grid2"]
     assert rates["false alarm on clean data"] == "0.0% (0 of 4)"
     assert rates["two effects, each 6 sigma or more when alone: both named"] == "100.0% (20 of 20)"
+    (tmp_path / "rates.json").unlink()
+    assert tool.main([*words, "--grade-only"]) == 0  # with no one to ask
+    assert json.loads((tmp_path / "rates.json").read_text())["unknown"]["rates"]["grid2"] == rates
     told = "two effects, each 6 sigma or more alone and beside the other: both named"
     assert rates[told] == "100.0% (10 of 10)"
     assert rates["outside the catalogue, 8 sigma or more from every entry: said so"] == "0.0% (0 of 16)"

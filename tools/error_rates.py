@@ -12,7 +12,7 @@ import argparse
 import json
 import math
 import zlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, replace
 from functools import partial
@@ -164,9 +164,10 @@ def generate(sealed: Sealed, noises: tuple[str, ...]) -> bool:
     return True
 
 
-def diagnosed(path: Path, priors: Told) -> dict[str, Any]:
+def diagnosed(path: Path, priors: Told, candidates: Sequence[str] | None = None) -> dict[str, Any]:
     """Return the answer of the package about a file of measurements."""
-    answer: dict[str, Any] = ecm.diagnose(ecm.Mechanism(), read_measurements(path), priors=priors).to_json_dict()
+    found = ecm.diagnose(ecm.Mechanism(), read_measurements(path), priors=priors, candidates=candidates)
+    answer: dict[str, Any] = found.to_json_dict()
     return answer
 
 
@@ -184,7 +185,10 @@ def told(path: Path, truth: Truth, answer: dict[str, Any], priors: Told) -> dict
             stands[name] = asdict(standing(neck, still(truth, own, read), names, rivals=0, priors=priors))
         for name, sigmas in beside(neck, exact, names, priors=priors).items():
             stands[name]["beside"] = sigmas
-    return {"stands": stands, "closed": closed(exact, read, answer)}
+    share, most = closed(exact, read, answer), None
+    if share is not None and len(names) == 1 and not truth.outside:
+        most = closed(exact, read, diagnosed(path, priors, names))
+    return {"stands": stands, "closed": share, "most": most}
 
 
 def still(truth: Truth, effects: dict[str, float], read: Measurements) -> Measurements:
@@ -333,6 +337,9 @@ def rates(scores: list[Graded]) -> dict[str, str]:
         ),
         "the same against the poses without noise": level((entry.told.get("closed") for entry in claims), 50, 5),
         "the same, effects of 8 sigma or more": level((entry.told.get("closed") for entry in strong), 50, 5),
+        "the same, of any size, were the hidden name the only one in the catalogue": level(
+            (entry.told.get("most") for entry in claims), 50, 5
+        ),
         "interval of the size holds the truth": share(_size_covered(entry.grade for entry in one)),
         "two effects, each 6 sigma or more when alone: both named": share(bool(grade.top) for grade in alone),
         "the same: both in the reported sets": share(bool(grade.in_set) for grade in alone),
@@ -412,7 +419,8 @@ def main(words: list[str] | None = None, diagnose: Diagnose = diagnosed, tell: T
         if args.forget:
             for sealed in own:
                 sealed.answer.unlink(missing_ok=True)
-        print(f"{sum(_each(task, own, args.jobs))} of {len(own)} sets")
+        if not args.grade_only:
+            print(f"{sum(_each(task, own, args.jobs))} of {len(own)} sets")
         if args.generate_only:
             continue
         scores = graded(own)
@@ -447,6 +455,7 @@ def _arguments(words: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--materials", nargs="+", default=[*MATERIALS], choices=[*MATERIALS], help="what is told")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--generate-only", action="store_true", help="make the sets, diagnose none")
+    parser.add_argument("--grade-only", action="store_true", help="make and diagnose none, take the answers there are")
     parser.add_argument("--forget", action="store_true", help="throw away answers first")
     parser.add_argument("--readme", action="store_true", help="write the table into README.md")
     return parser.parse_args(words)
