@@ -18,6 +18,8 @@ __all__ = ["Standing", "beside", "standing"]
 Priors = Mapping[str, tuple[float, float]]
 
 _AGAIN = 6
+_TIMES = (1.0 / 16.0, 0.25, 4.0)
+"""How far from its usual value a further parameter may begin."""
 _ANY = 1e3
 """Typical sizes up to which a rival may be as large as it likes."""
 
@@ -48,14 +50,16 @@ def standing(
     """Return how far poses without noise are from the nearest explanation by another effect than those `hidden`.
 
     So many `rivals`, those that come nearest in the linear model, are fitted in full with EA, GA and EI, to the rows
-    that a diagnosis would see; what the fit, `priors` of those included, leaves is the distance, whatever its size.
+    that a diagnosis would see, also from where their further parameters are far from usual; what the best fit, `priors`
+    of EA, GA and EI included, leaves is the distance, whatever its size.
     """
     view, null = _of_any_size(mechanism, data, priors)
-    candidates = view.problem.candidates
-    evidence = np.where(view.gram.norm > 0.0, view.gram.singles()[0], -np.inf)
-    near = [int(i) for i in np.argsort(-evidence) if candidates[i].name not in hidden][:rivals]
-    left = [(null.total, ""), *((_left(view, _settled(view, i)), candidates[i].name) for i in near)]
-    least, rival = min(left)
+    candidates, views = view.problem.candidates, [view, *_elsewhere(view)] if rivals else [view]
+    evidence = np.array([np.where(at.gram.norm > 0.0, at.gram.singles()[0], -np.inf) for at in views])
+    near = [int(i) for i in np.argsort(-evidence.max(axis=0)) if candidates[i].name not in hidden][:rivals]
+    begin = {(i, n) for i in near for n in (0, int(np.argmax(evidence[:, i])))}
+    left = [(_left(view, _settled(view, i, views[n])), candidates[i].name) for i, n in sorted(begin)]
+    least, rival = min([(null.total, ""), *left])
     return Standing(float(np.sqrt(max(null.total, 0.0))), float(np.sqrt(max(least, 0.0))), rival)
 
 
@@ -69,7 +73,7 @@ def beside(
     view, _ = _of_any_size(mechanism, data, priors)
     place = {candidate.name: i for i, candidate in enumerate(view.problem.candidates)}
     one, other = hidden
-    return {name: float(np.sqrt(max(_left(view, _settled(view, place[rest])), 0.0)))
+    return {name: float(np.sqrt(max(_left(view, _settled(view, place[rest], view)), 0.0)))
             for name, rest in ((one, other), (other, one))}  # fmt: skip
 
 
@@ -85,9 +89,20 @@ def _of_any_size(mechanism: Mechanism, data: Measurements, priors: Priors | None
     return View.at(problem, {**values, **further.starts(view)}, (), noise, known=True), null
 
 
-def _settled(view: View, i: int) -> Fit:
-    """Return the fit of one effect, taken up until it is at its minimum."""
-    fit = refit(view, (i,), view.linear_start((i,)))
+def _elsewhere(view: View) -> list[View]:
+    """Return views with the further parameters of effects far from where one expects them."""
+    further = [entry for c in view.problem.candidates for entry in
+               zip(c.keys[1:], c.start[1:], c.lower[1:], c.upper[1:], strict=True)]  # fmt: skip
+    found = []
+    for by in _TIMES:
+        moved = {key: float(np.clip(by * value, lower, upper)) for key, value, lower, upper in further}
+        found.append(View.at(view.problem, {**view.values, **moved}, (), view.noise, known=True))
+    return found
+
+
+def _settled(view: View, i: int, begin: View) -> Fit:
+    """Return the fit of one effect, taken up until it is at its minimum, from where another view says."""
+    fit = refit(view, (i,), begin.linear_start((i,)))
     for _ in range(_AGAIN):
         if fit.settled or not np.isfinite(fit.total):
             break
