@@ -133,6 +133,17 @@ def test_the_distance_to_the_nearest_rival_is_what_a_fit_of_it_leaves():
     assert min(left) == left[0] == pytest.approx(found.apart, rel=0.01)
 
 
+def test_the_nearest_rival_may_have_its_further_parameters_far_from_usual():
+    """A camera that lags by four seconds is nearly a neck that forgets all in four seconds, not in the usual minute."""
+    exact, _ = hide(effects={"camera_lag": 4.0}, design="T", seed=1, noise="none", spread=False)
+    told = declared(exact)
+    found = standing(NECK, told, ("camera_lag",))
+    assert (found.sigmas > 15.0, found.rival) == (True, "fading_memory")
+    memory = NECK.replace(**{"fading_memory.share": 0.9, "fading_memory.time": 4.0})
+    sigmas = predict(memory, told).residual[~lock([told], 0)] / np.array([1e-4, 1e-4, 1e-3])
+    assert found.apart <= np.linalg.norm(sigmas) < 5.0
+
+
 def test_how_far_one_of_two_stands_out_is_what_a_fit_of_the_other_leaves():
     exact = measure(MADE.replace(bending_one_sided=0.003, camera_z_offset=2e-4), LOADS,
                     Sensors(camera_sigma=(0.0, 0.0, 0.0)), seed=1)  # fmt: skip
