@@ -96,9 +96,9 @@ class _Beam:
         out[3, 1:] = out[0, 1:] * n_z - out[1, 1:] * n_x
         out[3, 1] -= z
         out[3, 2] += x
-        lost = ~(np.isfinite(out).all(axis=(0, 1)) & (np.abs(theta) < _MOST_TURNS))
-        if lost.any():  # what cannot be followed stands still, so that the other rows can be
-            self.sound &= ~lost
+        self.sound &= np.isfinite(out).all(axis=(0, 1)) & (np.abs(theta) < _MOST_TURNS)
+        lost = ~self.sound
+        if lost.any():  # what cannot be followed stands still from then on, so that the other rows can be
             out[:, :, lost] = 0.0
             self.strains[:, lost] = self.rest[:, lost]
         return out.ravel()
