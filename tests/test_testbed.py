@@ -333,6 +333,16 @@ def test_a_tendon_pulled_up_to_its_pulley_is_lost():
         found.raise_if_failed()
 
 
+@pytest.mark.timeout(120)
+def test_a_section_that_gives_way_is_said_and_not_followed_for_ever():
+    """EI (kappa - 0.0048 m^2 kappa^3) bears no more than its couple at 8.3 / m, which one tendon exceeds."""
+    neck = Mechanism().replace(neo_hookean_section=-1.63, bending_cubic=-0.0048)
+    found = equilibria(neck, rows(lam_l_N=[160.0, 40.0]))
+    assert found.outcome[0] != Outcome.STABLE
+    assert found.outcome[1] == Outcome.STABLE
+
+
+
 def test_an_effect_without_a_law_is_refused(monkeypatch):
     monkeypatch.setattr(laws, "BUILT_IN", laws.BUILT_IN - {"precurvature"})
     with pytest.raises(
