@@ -22,9 +22,9 @@ def shown(after, before=18.0, adapted=5.0):
     return Transfer(9, "a/side.csv", *gaps, EXACT, 0.9, 1.32, adapted)
 
 
-def said(*tests):
+def said(*tests, verdict="named", only=None):
     gap = Gap(20, "rows set aside", Rms(1e-4, 1e-4, 1e-3, 2.0), EXACT, EXACT, 1.0)
-    return sentence("named", (CLAIM,), gap, (), (), None, tests)
+    return sentence(verdict, (CLAIM,), gap, (), (), None, tests, only)
 
 
 def test_a_size_has_its_unit_its_interval_and_its_meaning() -> None:
@@ -53,8 +53,23 @@ def test_what_fails_comes_first_and_what_holds_comes_last() -> None:
     assert "within their doubt 5 are left. Fit" in said(shown(7.0))
     assert "within their doubt 1.1 are left: they are not known well enough" in said(shown(7.0, adapted=1.1))
     assert said(shown(1.1)).startswith("The data ask for")
-    assert "which is proof" in said(shown(1.1))
+    assert f"{NAME} carries over to side.csv: 1.1 times the noise is left in 9 rows that were" in said(shown(1.1))
+    assert said(shown(1.1)).endswith("never fitted (18 without it).")
+    others = (("soft_spot", 0.8), ("pulley_radius", 4.4))
+    assert said(replace(shown(1.1), rivals=others)).endswith(
+        "So does soft_spot (0.8), which this file does not refute. It refutes pulley_radius (4.4)."
+    )
+    assert "Of the next best, soft_spot (0.8) would. Fit both" in said(replace(shown(7.0), rivals=others))
     assert "1 more left out as outliers" in said(replace(shown(1.1), left_out=1))
     assert "proves nothing" in said(shown(1.1, before=1.2))
     assert "set aside" in said()
     assert "locked" not in said()
+
+
+def test_who_allows_few_names_is_told_so() -> None:
+    assert "may be named" not in said()
+    assert said(only=[NAME]).endswith(f"Only {NAME} may be named here: another effect may fit better.")
+    assert said(only=["soft_spot"] * 9).endswith("Only 9 effects may be named here: another effect may fit better.")
+    outside = said(verdict="outside_catalogue", only=["soft_spot"])
+    assert outside == ("Something is missing that no one or two effects of those that may be named here (soft_spot) "
+                       "explain.")  # fmt: skip

@@ -342,7 +342,6 @@ def test_a_section_that_gives_way_is_said_and_not_followed_for_ever():
     assert found.outcome[1] == Outcome.STABLE
 
 
-
 def test_an_effect_without_a_law_is_refused(monkeypatch):
     monkeypatch.setattr(laws, "BUILT_IN", laws.BUILT_IN - {"precurvature"})
     with pytest.raises(

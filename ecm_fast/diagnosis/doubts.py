@@ -1,6 +1,6 @@
 """Stiffnesses that the data hardly fix, or that they move far from the mechanism file."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 
 from ..identification_result import Estimate
 from ..mechanism import Mechanism
@@ -13,12 +13,17 @@ _FAR, _MUCH = 5.0, 0.03
 """Standard deviations, and shares of the value, by which a stiffness may leave the mechanism file."""
 
 
-def stiffness_doubts(calibration: Mapping[str, Estimate], mechanism: Mechanism) -> tuple[str, ...]:
-    """Return a line for every stiffness of the mechanism that a calibration leaves in doubt."""
-    return tuple(_doubts(calibration, mechanism))
+def stiffness_doubts(
+    calibration: Mapping[str, Estimate], mechanism: Mechanism, tested: Container[str] = ()
+) -> tuple[str, ...]:
+    """Return a line for every stiffness of the mechanism that a calibration leaves in doubt.
+
+    tested : those of which material tests say what takes the place of the mechanism file's value
+    """
+    return tuple(_doubts(calibration, mechanism, tested))
 
 
-def _doubts(calibration: Mapping[str, Estimate], mechanism: Mechanism) -> Iterator[str]:
+def _doubts(calibration: Mapping[str, Estimate], mechanism: Mechanism, tested: Container[str]) -> Iterator[str]:
     for name in ("EA", "GA", "EI"):
         found, given = calibration[name], float(getattr(mechanism.beam, name))
         off, share = found.value - given, found.std / found.value
@@ -27,7 +32,7 @@ def _doubts(calibration: Mapping[str, Estimate], mechanism: Mechanism) -> Iterat
             yield (f"these loads fix {name} to no better than {share:.0%}: {found.rounded}, where the mechanism file "
                    f"has {own}; give what a material test says (--prior {name} VALUE STD), or measure side forces or "
                    f"other loads")  # fmt: skip
-        elif abs(off) > max(_FAR * found.std, _MUCH * given):
+        elif name not in tested and abs(off) > max(_FAR * found.std, _MUCH * given):
             yield (f"calibration moves {name} to {found.rounded}, {abs(off) / found.std:.0f} standard deviations "
                    f"({off / given:+.0%}) from the {own} of the mechanism file: check that number, or what takes its "
                    f"place")  # fmt: skip

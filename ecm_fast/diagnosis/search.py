@@ -74,10 +74,20 @@ class Found:
         return self.fits[self.effects][0] if self.effects else self.null
 
     @property
-    def nearest(self) -> tuple[str, ...]:
-        """Names of the explanation that comes nearest, whether or not it explains."""
+    def closest_fit(self) -> Fit | None:
+        """The explanation that comes nearest, whether or not it explains."""
         fits = next((self.fits[size] for size in sorted(self.fits, reverse=True) if self.fits[size]), [])
-        return tuple(self.view.problem.candidates[i].name for i in fits[0].model) if fits else ()
+        return fits[0] if fits else None
+
+    @property
+    def runners_up(self) -> tuple[Fit, ...]:
+        """Explanations by as many effects as were found that can be meant, too, the best first."""
+        fits = self.fits[self.effects][1:] if self.effects else []
+        return tuple(fit for fit in fits if not refused(fit, self.view))
+
+    def names(self, fit: Fit) -> tuple[str, ...]:
+        """Return the names of what a fit has in the model."""
+        return tuple(self.view.problem.candidates[i].name for i in fit.model)
 
     def models(self) -> tuple[Model, ...]:
         """Return all explanations tried, those of the number reported first."""
@@ -92,7 +102,7 @@ class Found:
             reason = refused(fit, self.view)
             behind = best - fit.evidence
             sizes = tuple(fit.by_key()[candidates[i].keys[0]] for i in fit.model)
-            names = tuple(candidates[i].name for i in fit.model)
+            names = self.names(fit)
             inside = not reason and behind < LIMITS[size]
             yield Model(
                 names, sizes, fit.evidence - self.null.evidence, self.null.total - fit.total, behind, inside, reason

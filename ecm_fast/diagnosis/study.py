@@ -11,6 +11,7 @@ from ..data import Measurements
 from ..errors import InputError, shown
 from ..identification_rows import State
 from ..mechanism import Mechanism
+from ..parameters import find
 from .alarms import alarms
 from .candidates import chosen, uncertain_parameters
 from .claims import claims, estimates
@@ -199,7 +200,7 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
             *((int(i), "no stable equilibrium") for i in np.flatnonzero(~around.stable))]  # fmt: skip
     return Diagnosis(
         verdict=verdict,
-        sentence=sentence(verdict, effects, shown_gap, seen, missing, left, tests),
+        sentence=sentence(verdict, effects, shown_gap, seen, missing, left, tests, study.candidates),
         effects=effects,
         calibration=calibrated_now,
         before=estimates(found.null, found),
@@ -218,7 +219,7 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
             *not_carried(tests, [claim.name for claim in effects]),
             *found.doubts,
             *nearest(found),
-            *stiffness_doubts(calibrated_now, problem.mechanism),
+            *stiffness_doubts(calibrated_now, problem.mechanism, {find(name).name for name in study.priors}),
         ),
         alarms=alarms(found),
         rows=_rows(problem, opened, calibrated, view, far),

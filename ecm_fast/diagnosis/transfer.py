@@ -5,6 +5,7 @@ fitted parameters moved within their doubt, the experiment asks for another cali
 effect.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +22,8 @@ from .transfer_result import Transfer, allowed
 __all__ = ["transfer"]
 
 Array = NDArray[np.float64]
+
+_RIVALS = 3
 
 
 def transfer(there: Problem, found: Found, noise: Noise, seed: int) -> Transfer | None:
@@ -45,7 +48,21 @@ def transfer(there: Problem, found: Found, noise: Noise, seed: int) -> Transfer 
     whitened = opened.whitened(opened.after)
     whitened[far] = np.nan
     own, count = _adapted(opened, after, found.best, whitened), int(np.isfinite(whitened).sum())
-    return Transfer(**vars(shown_gap), allowed=allowed(count), adapted=own, left_out=int(far.size))
+    return Transfer(
+        **vars(shown_gap),
+        allowed=allowed(count),
+        adapted=own,
+        left_out=int(far.size),
+        rivals=tuple(_rivals(there, found, opened, far)),
+    )
+
+
+def _rivals(there: Problem, found: Found, opened: Opened, far: NDArray[np.int64]) -> Iterator[tuple[str, float]]:
+    """Yield the next best explanations and what they leave of the experiment [sigma]."""
+    for fit in found.runners_up[:_RIVALS]:
+        whitened = opened.whitened(there.rows.measured - there.state(fit.keys, fit.by_key()).pose)
+        whitened[far] = np.nan
+        yield " with ".join(found.names(fit)), float(np.sqrt(np.nanmean(whitened**2)))
 
 
 def _adapted(opened: Opened, after: State, fit: Fit, whitened: Array) -> float:

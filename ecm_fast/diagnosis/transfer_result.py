@@ -33,11 +33,13 @@ class Transfer(Gap):
     allowed : root mean square [sigma] up to which a model meets the experiment, see `allowed`
     adapted : what is left of `after` where all that was fitted may move within its doubt [sigma]
     left_out : rows that count nowhere here, as outliers
+    rivals : the next best explanations of what was fitted, and what they leave here [sigma]
     """
 
     allowed: float
     adapted: float
     left_out: int = 0
+    rivals: tuple[tuple[str, float], ...] = ()
 
     @property
     def carries_over(self) -> bool:
@@ -52,7 +54,8 @@ class Transfer(Gap):
     def to_json_dict(self) -> dict[str, Any]:
         """Return the entry of ``transfer`` in a diagnosis's JSON."""
         own = {name: getattr(self, name) for name in ("allowed", "adapted", "left_out", "carries_over", "proves")}
-        return {**super().to_json_dict(), **own}
+        rivals = [{"name": name, "after": left, "carries_over": left <= self.allowed} for name, left in self.rivals]
+        return {**super().to_json_dict(), **own, "rivals": rivals}
 
 
 def not_carried(found: Sequence[Transfer], names: Sequence[str]) -> tuple[str, ...]:
@@ -67,8 +70,10 @@ def _missed(entry: Transfer, names: Sequence[str]) -> str:
     moved = f"With {own} moved within their doubt {entry.adapted:.3g} are left"
     if entry.adapted <= entry.allowed:
         moved = f"{moved}: they are not known well enough to tell, so this refutes nothing yet"
+    meets = [f"{name} ({left:.3g})" for name, left in entry.rivals if left <= entry.allowed]
+    others = f" Of the next best, {' and '.join(meets)} would." if meets else ""
     return (f"{what} does NOT carry over to {_short(entry)}: {entry.after.sigma:.3g} times the noise is left"
-            f"{without}, where about 1 is expected and {entry.allowed:.3g} allowed. {moved}. "
+            f"{without}, where about 1 is expected and {entry.allowed:.3g} allowed. {moved}.{others} "
             f"Fit both: give this file as data beside the other.")  # fmt: skip
 
 
@@ -86,7 +91,15 @@ def _met(entry: Transfer, names: Sequence[str]) -> str:
     if not entry.proves:
         return (f"{_short(entry)} proves nothing of {what}: without it {entry.before.sigma:.3g} times the noise is "
                 f"left there, with it {entry.after.sigma:.3g}.")  # fmt: skip
-    return f"{what} carries over to {_short(entry)}, which is proof: {after} ({entry.before.sigma:.3g} without it)."
+    return f"{what} carries over to {_short(entry)}: {after} ({entry.before.sigma:.3g} without it).{_others(entry)}"
+
+
+def _others(entry: Transfer) -> str:
+    """Return what becomes there of the next best explanations."""
+    meets = [f"{name} ({left:.3g})" for name, left in entry.rivals if left <= entry.allowed]
+    misses = [f"{name} ({left:.3g})" for name, left in entry.rivals if left > entry.allowed]
+    said = f" So does {' and so does '.join(meets)}, which this file does not refute." if meets else ""
+    return said + (f" It refutes {' and '.join(misses)}." if misses else "")
 
 
 def _short(entry: Transfer) -> str:

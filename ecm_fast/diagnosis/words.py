@@ -1,5 +1,8 @@
 """The answer in one plain sentence, and what to know before it is used."""
 
+from collections.abc import Sequence
+
+from ..effects import CATALOGUE
 from .candidates import lacking
 from .claim_words import size
 from .problem import Problem
@@ -8,6 +11,8 @@ from .search import Found
 from .transfer_result import Transfer, carried, not_carried
 
 __all__ = ["missing_columns", "nearest", "sentence", "verdict_of"]
+
+_FEW_NAMES = 4
 
 
 def verdict_of(effects: tuple[Claim, ...], *, outside: bool, gap_in_data: bool) -> Verdict:
@@ -27,10 +32,14 @@ def sentence(
     missing: tuple[str, ...],
     left: Remainder | None,
     tests: tuple[Transfer, ...] = (),
+    only: Sequence[str] | None = None,
 ) -> str:
-    """Return the answer in one sentence; what it does not carry over to comes before it, what it does after it."""
+    """Return the answer in one sentence; what it does not carry over to comes before it, what it does after it.
+
+    only : the names that it may give, where these are not the whole catalogue
+    """
     names = [claim.name for claim in effects]
-    answer = _answer(verdict, effects, gap, sights, missing, left)
+    answer = _answer(verdict, effects, gap, sights, missing, left, only)
     return " ".join((*not_carried(tests, names), answer, *carried(tests, names)))
 
 
@@ -41,18 +50,25 @@ def _answer(
     sights: tuple[Sight, ...],
     missing: tuple[str, ...],
     left: Remainder | None,
+    only: Sequence[str] | None,
 ) -> str:
+    among = "the catalogue" if only is None else f"those that may be named here ({_listed(only)})"
     if verdict == "nothing_found":
         seen = sum(sight.visible in ("named", "seen") for sight in sights)
-        return (f"No missing effect was found: {seen} of {len(sights)} effects of the catalogue would have shown at "
+        return (f"No missing effect was found: {seen} of {len(sights)} effects of {among} would have shown at "
                 f"twice their typical size or less, the others cannot be seen in these data.")  # fmt: skip
     if verdict in ("named", "family"):
-        return f"The data ask for {' and for '.join(_named(claim) for claim in effects)}{_proof(gap)}."
+        alone = "" if only is None else f" Only {_listed(only)} may be named here: another effect may fit better."
+        return f"The data ask for {' and for '.join(_named(claim) for claim in effects)}{_proof(gap)}.{alone}"
     like = f"; it resembles {left.resembles}, which does not explain it" if left else ""
     if verdict == "data_gap":
         return (f"Something is missing that no named effect explains{like}, and columns that could tell are not "
                 f"there: {', '.join(missing)}.")  # fmt: skip
-    return f"Something is missing that no one or two effects of the catalogue explain{like}."
+    return f"Something is missing that no one or two effects of {among} explain{like}."
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names) if len(names) <= _FEW_NAMES else f"{len(names)} effects"
 
 
 def _named(claim: Claim) -> str:
@@ -79,6 +95,11 @@ def missing_columns(problem: Problem) -> tuple[str, ...]:
 
 def nearest(found: Found) -> tuple[str, ...]:
     """Return a line on what comes nearest where nothing explains."""
-    if not found.outside or not found.nearest:
+    fit = found.closest_fit
+    if not found.outside or fit is None:
         return ()
-    return (f"{' with '.join(found.nearest)} comes nearest, but the tests still see something beyond it",)
+    values, sizes = fit.by_key(), list[str]()
+    for name in found.names(fit):
+        entry = CATALOGUE[name].size
+        sizes.append(f"{name} = {values[entry.key]:.3g}{'' if entry.unit == '-' else f' {entry.unit}'}")
+    return (f"{' with '.join(sizes)} comes nearest, but the tests still see something beyond it",)
