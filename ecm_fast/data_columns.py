@@ -151,6 +151,9 @@ COLUMNS = _declared(
 )
 """Every column by its quantity, in the order of the fields of `Measurements`."""
 
+_ALSO_CALLED = {"time": "t", "angle": "theta", "rotation": "theta", "mass": "extra_mass", "side": "fz", "torque": "tau"}
+_IGNORE = "start its name with note_ to have it ignored"
+
 _SUBJECTS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt", "x", "z", "theta")
 """A file without any of these says nothing about the neck."""
 
@@ -168,15 +171,21 @@ def match(names: Iterable[str]) -> list[tuple[Column, str]]:
     InputError : a name is unknown, has no unit or a foreign one, is there twice, or nothing useful is there.
     """
     found: dict[str, str] = {}
-    matched = []
+    matched, wrong = list[tuple[Column, str]](), list[str]()
     for place, name in enumerate(names, start=1):
-        column, unit = _named(name, place)
+        try:
+            column, unit = _named(name, place)
+        except InputError as error:
+            wrong.append(str(error))
+            continue
         if column.name in found:
             other = found[column.name]
             twice = f"column {name!r} is there twice" if other == name else f"columns {other} and {name} give the same"
             raise InputError(f"{twice}; keep one")
         found[column.name] = name
         matched.append((column, unit))
+    if wrong:
+        raise InputError("; ".join([*(text.removesuffix(f"; {_IGNORE}") for text in wrong[:-1]), wrong[-1]]))
     if not any(name in found for name in _SUBJECTS):
         needed = ", ".join(COLUMNS[name].names[0] for name in _SUBJECTS)
         raise InputError(f"gives no load and no pose; at least one of the columns {needed} is needed")
@@ -191,16 +200,28 @@ def _named(name: str, place: int) -> tuple[Column, str]:
     column = max(fitting, key=lambda column: len(column.name), default=None)
     if column and name in column.names:
         return column, name[len(column.name) + 1 :]
-    ignore = "start its name with note_ to have it ignored"
     if column and column.units:
         unit = name[len(column.name) + 1 :]
         wrong = f"{_shown(unit)} is not a unit of {column.name}" if unit else "the unit is missing"
-        raise InputError(f"column {_shown(name)}: {wrong}; allowed are {', '.join(column.names)}, or {ignore}")
+        raise InputError(f"column {_shown(name)}: {wrong}; allowed are {', '.join(column.names)}, or {_IGNORE}")
     every = [allowed for column in COLUMNS.values() for allowed in column.names]
     meant = next((allowed for allowed in every if allowed.lower() == name.lower()), name[:60])
     known = ", ".join(column.names[0] for column in COLUMNS.values())
-    hint = _tendon(name) or did_you_mean(meant, every) or f" (known are {known})"
-    raise InputError(f"unknown column {_shown(name)}{hint}; {ignore}")
+    hint = _tendon(name) or _alike(name) or did_you_mean(meant, every) or f" (known are {known})"
+    raise InputError(f"unknown column {_shown(name)}{hint}; {_IGNORE}")
+
+
+def _alike(name: str) -> str:
+    """Return a hint where a name has a word that people use for a column, and a unit of it."""
+    *words, unit = name.split("_")
+    for word in map(str.lower, words):
+        if word == "sigma":
+            known = [column.names[0] for column in COLUMNS.values() if column.name.startswith("sigma_")]
+            return f" (known are {', '.join(known)})"
+        meant = COLUMNS.get(_ALSO_CALLED.get(word, ""))
+        if meant and unit in meant.units:
+            return f" (did you mean '{meant.name}_{unit}'?)"
+    return ""
 
 
 def _tendon(name: str) -> str:
