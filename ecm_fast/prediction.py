@@ -52,11 +52,18 @@ class Prediction:
     @property
     def rms(self) -> dict[str, float | None]:
         """Root mean square of `residual` by channel, ``x_m``, ``z_m``, ``theta_rad``; None where it has no entry."""
-        known = [column[np.isfinite(column)] for column in self.residual.T]
-        return {
-            COLUMNS[name].names[0]: float(np.sqrt(np.mean(entries**2))) if entries.size else None
-            for name, entries in zip(_CHANNELS, known, strict=True)
-        }
+        return dict(zip((COLUMNS[name].names[0] for name in _CHANNELS), _rms(self.residual), strict=True))
+
+    @property
+    def sigmas(self) -> Array:
+        """`residual` over the noise that the measurements declare of the camera, (n, 3); nan where none is."""
+        declared = np.column_stack([getattr(self.data, f"sigma_{name}") for name in _CHANNELS])
+        return np.asarray(np.where(declared > 0.0, self.residual / np.where(declared > 0.0, declared, 1.0), np.nan))
+
+    @property
+    def rms_sigma(self) -> dict[str, float | None]:
+        """Root mean square of `sigmas` by channel, ``x``, ``z``, ``theta``; None where it has no entry."""
+        return dict(zip(_CHANNELS, _rms(self.sigmas), strict=True))
 
     @property
     def rows(self) -> int:
@@ -91,6 +98,12 @@ class Prediction:
         kinds = ", ".join(f"{count} {name}" for name, count in self.counts.items() if count)
         rms = ", ".join(f"{name} {value:.3g}" for name, value in self.rms.items() if value is not None)
         return f"<Prediction of {len(self.status)} rows: {kinds}; rms {rms or 'unknown, no pose is measured'}>"
+
+
+def _rms(columns: Array) -> list[float | None]:
+    """Return the root mean square of what is known of every column, None where nothing is."""
+    known = [column[np.isfinite(column)] for column in columns.T]
+    return [float(np.sqrt(np.mean(entries**2))) if entries.size else None for entries in known]
 
 
 def predict(

@@ -10,9 +10,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 
-from ecm_fast import cli
+from ecm_fast import Measurements, cli, predict
 from ecm_fast.cli import main
 from ecm_fast.effects import CATALOGUE
 from ecm_fast.errors import NotConverged
@@ -194,6 +195,24 @@ def test_predict_meets_the_shooting_solutions(run: Run) -> None:
     for line, (_, _, x, z, theta) in zip(lines[1:], TENDONS, strict=True):
         cells = dict(zip(columns, line.split(","), strict=True))
         assert [float(cells[name]) for name in ("x_m", "z_m", "theta_rad")] == pytest.approx([x, z, theta], abs=1e-8)
+
+
+def test_predict_says_how_far_readings_are_in_units_of_their_noise(run: Run) -> None:
+    """Nine readings off by one sigma of 0.1 mm up and down, the tenth by 20: rms sqrt((9 + 400)/10)."""
+    loads = Measurements.from_columns({"lam_l_N": np.linspace(0.0, 90.0, 10)})
+    pose = predict(Mechanism(), loads).pose
+    off = 1e-4 * np.r_[np.tile([1.0, -1.0], 5)[:9], 20.0]
+    Measurements.from_columns(
+        {"lam_l_N": loads.lam_l, "x_m": pose[:, 0], "z_m": pose[:, 1] + off, "sigma_z_mm": [0.1] * 10}
+    ).to_csv("run.csv")
+    lines = run("predict", "run.csv").out.splitlines()
+    assert lines[2:] == [
+        "in units of the camera's noise as declared: z 6.4",
+        "far off: run.csv: line 11, 20 times its noise",
+    ]
+    answer = run("predict", "run.csv", "--json").json["rms_sigma"]
+    assert answer["z"] == pytest.approx(np.sqrt(40.9), rel=1e-6)
+    assert (answer["x"], answer["theta"]) == (None, None)
 
 
 def test_predict_without_measured_poses(run: Run) -> None:

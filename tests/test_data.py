@@ -177,9 +177,10 @@ def test_repr(read: Any, tmp_path: Path) -> None:
         ("experiment,t_s", "gives no load and no pose; at least one of the columns lam_l_N, lam_r_N, fx_N, fz_N, "
                            "tau_Nm, extra_mass_kg, tilt_rad, x_m, z_m, theta_rad is needed"),
         ("x_m,angle_deg", "unknown column 'angle_deg' (did you mean 'theta_deg'?); start its name"),
-        ("x_m,sigma_fz_N", "unknown column 'sigma_fz_N' (known are sigma_x_m, sigma_z_m, sigma_theta_rad, sigma_lam_N); start"),
-        ("time_s,F_left_N,x_m,side_force_N", "unknown column 'time_s' (did you mean 't_s'?); unknown column 'F_left_N' (did "
-         "you mean 'lam_l_N'?); unknown column 'side_force_N' (did you mean 'fz_N'?); start its name"),
+        ("x_m,sigma_fz_N", "unknown column 'sigma_fz_N' (known are sigma_x_m, sigma_z_m, sigma_theta_rad, "
+                           "sigma_lam_N); start its name"),
+        ("time_s,F_left_N,x_m,side_force_N", "unknown column 'time_s' (did you mean 't_s'?); unknown column 'F_left_N' "
+         "(did you mean 'lam_l_N'?); unknown column 'side_force_N' (did you mean 'fz_N'?); start its name"),
         ("x_m,,z_m", "column 2 has no name; name it or delete it"),
         ("x_m,z_m;theta_rad", "line 1: the column names are separated by comma, semicolon or tab, one of them "
                               "throughout"),

@@ -158,3 +158,19 @@ def test_one_explanation_needs_no_experiment(rivals) -> None:
         next_loads(rivals[:1], [LOADS_MEASURED])
     with pytest.raises(InputError, match=r"add-on 'masss'.*did you mean 'mass'"):
         Pool.of(["masss"])
+
+
+def test_no_load_is_larger_than_what_can_be_applied(rivals) -> None:
+    pool = Pool.of(["wrench"]).within({"fx_N": 0.0, "tau_Nm": 0.0, "fz_N": 50.0})
+    assert sorted(pool.loads[:, 3]) == [-33.0, 33.0]
+    assert np.count_nonzero(pool.loads) == 2
+    assert pool.add_on == ("wrench", "wrench")
+    found = next_loads(rivals[:2], [LOADS_MEASURED], pool=Pool.of().within({"fx_N": 0.0, "lam_l_N": 80.0}))
+    assert all("fx_N" not in entry.loads and entry.loads["lam_l_N"] <= 80.0 for entry in found.suggestions)
+    for limits, said in (
+        ({"fy_N": 1.0}, "limit of 'fy_N': allowed are lam_l_N, lam_r_N, fx_N"),
+        ({"fz_N": -1.0}, "limit of fz_N = -1.0: allowed is a number >= 0"),
+        ({"fx_N": 0.0, "fz_N": 0.0, "tau_Nm": 0.0}, "leave no load"),
+    ):
+        with pytest.raises(InputError, match=said):
+            Pool.of(["wrench"]).within(limits)

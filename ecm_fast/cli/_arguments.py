@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["add_model", "count", "discretization", "finite_number", "mechanism", "parse", "tension"]
 
 
-EXAMPLES = {"--prior": "--prior GA 2420 120"}
+EXAMPLES = {"--prior": "--prior GA 2420 17", "--at-most": "--at-most fx_N 0"}
 """Of options whose words a reader could not guess."""
 
 

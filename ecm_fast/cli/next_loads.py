@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, shown, why
 from ._answer import Answer, Command, saved
-from ._arguments import count, finite_number
+from ._arguments import EXAMPLES, count, finite_number
 
 if TYPE_CHECKING:
     from ..diagnosis.next_loads import NextLoads
@@ -25,11 +25,21 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="what can be mounted: nothing (the tendons alone), wrench, mass, tilt, tilt-back; default: all",
     )
+    parser.add_argument(
+        "--at-most",
+        action="append",
+        default=[],
+        nargs=2,
+        metavar=("COLUMN", "LIMIT"),
+        help=f"the most that can be applied of a load ({EXAMPLES['--at-most']}: no push along the neck); may be given "
+        "several times",
+    )
 
 
 def _run(args: argparse.Namespace) -> Answer:
     from ..data import read_measurements
     from ..diagnosis.next_loads import Pool, in_question, next_loads, rivals_of
+    from ..diagnosis.pool import ADD_ONS
     from ..mechanism import Mechanism
 
     result = _read(args.result)
@@ -38,7 +48,7 @@ def _run(args: argparse.Namespace) -> Answer:
     data = [read_measurements(path) for path in inputs["data"]]
     priors = {name: (float(value), float(std)) for name, (value, std) in inputs["priors"].items()}
     sets, alone = in_question(result["models"])
-    pool = Pool.of(args.add_ons) if args.add_ons else None
+    pool = Pool.of(args.add_ons or ADD_ONS).within(_limits(args.at_most))
     sigma, force = result["noise"]["sigma"], result["noise"]["force"] or 0.0
     rivals = rivals_of(neck, data, sets, priors=priors, force_sigma=force)
     if len(rivals) < 2:
@@ -49,6 +59,16 @@ def _run(args: argparse.Namespace) -> Answer:
     found = next_loads(rivals, data, sigma=known, force_sigma=force, minutes=args.minutes, repeats=args.repeats,
                        priors=priors, pool=pool, first_alone=alone)  # fmt: skip
     return Answer(found.to_json_dict(), _text(found, alone), (*found.remarks, *saved(args, found.to_json_dict())))
+
+
+def _limits(given: list[list[str]]) -> dict[str, float]:
+    limits: dict[str, float] = {}
+    for name, limit in given:
+        try:
+            limits[name] = finite_number(limit)
+        except argparse.ArgumentTypeError as error:
+            raise InputError(f"argument --at-most {name}: {error}") from None
+    return limits
 
 
 def _read(path: str) -> dict[str, Any]:

@@ -2,11 +2,19 @@
 
 import argparse
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from ._answer import DONE, NOT_CONVERGED, Answer, Command, folder
 from ._arguments import add_model, discretization, mechanism
 
+if TYPE_CHECKING:
+    from ..prediction import Prediction
+
 __all__ = ["COMMAND"]
+
+_FAR = 8.0
+"""Times its noise beyond which a reading is shown by its row: a diagnosis takes it for an outlier."""
+_SHOWN = 5
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,14 +32,28 @@ def _run(args: argparse.Namespace) -> Answer:
     prediction = predict(neck, data, **discretization(args))
     prediction.to_csv(path)
     counts, rms = prediction.counts, prediction.rms
-    answer = {"rms": rms, "rows": prediction.rows, "status": counts, "csv": path}
+    answer = {"rms": rms, "rms_sigma": prediction.rms_sigma, "rows": prediction.rows, "status": counts, "csv": path}
     failed = [i for i, status in enumerate(prediction.status) if not Status(status).converged]
     notes = [f"wrote {path}"]
     if failed:
         first = Status(prediction.status[failed[0]]).explain(prediction.load_factor[failed[0]])
         notes.insert(0, f"{len(failed)} of {data.n} rows did not converge; {data.where(failed[0])}: {first}")
-    text = _text(data.n, counts, rms)
+    text = "\n".join([_text(data.n, counts, rms), *_in_noise(prediction)])
     return Answer(answer, text, tuple(notes), NOT_CONVERGED if failed else DONE)
+
+
+def _in_noise(prediction: "Prediction") -> list[str]:
+    """Return the same in units of the noise, and the rows that are far beyond it; nothing where none is declared."""
+    known = [f"{name} {value:.3g}" for name, value in prediction.rms_sigma.items() if value is not None]
+    if not known:
+        return []
+    import numpy as np
+
+    largest = np.nan_to_num(np.abs(prediction.sigmas)).max(axis=1)
+    far = [i for i in np.argsort(-largest).tolist() if largest[i] > _FAR]
+    lines = [f"in units of the camera's noise as declared: {', '.join(known)}"]
+    lines += [f"far off: {prediction.data.where(i)}, {largest[i]:.0f} times its noise" for i in far[:_SHOWN]]
+    return [*lines, f"and {len(far) - _SHOWN} more rows"] if len(far) > _SHOWN else lines
 
 
 def _text(rows: int, counts: Mapping[str, int], rms: Mapping[str, float | None]) -> str:

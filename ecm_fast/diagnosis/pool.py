@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..data import Measurements
 from ..data_columns import COLUMNS
-from ..errors import InputError, did_you_mean
+from ..errors import InputError, did_you_mean, shown
 
 __all__ = ["ADD_ONS", "Pool"]
 
@@ -74,6 +74,25 @@ class Pool:
         if not rows:
             raise InputError("no add-on to choose from; allowed are " + ", ".join(ADD_ONS))
         return cls(np.array(rows), tuple(names))
+
+    def within(self, limits: Mapping[str, float]) -> "Pool":
+        """Return the loads none of which is larger than its limit, by the columns of a measurement file.
+
+        Raises
+        ------
+        InputError : no such load, a limit below zero, or no load is left.
+        """
+        names = [COLUMNS[name].names[0] for name in LOADS]
+        kept = np.ones(len(self.loads), dtype=bool)
+        for name, limit in limits.items():
+            if name not in names:
+                raise InputError(f"limit of {shown(name)}: allowed are {', '.join(names)}{did_you_mean(name, names)}")
+            if not limit >= 0.0:
+                raise InputError(f"limit of {name} = {limit!r}: allowed is a number >= 0")
+            kept &= np.abs(self.loads[:, names.index(name)]) <= limit
+        if not self.loads[kept].any():
+            raise InputError("the limits leave no load to choose from; allow more of one")
+        return Pool(self.loads[kept], tuple(name for name, keep in zip(self.add_on, kept, strict=True) if keep))
 
     @property
     def data(self) -> Measurements:
