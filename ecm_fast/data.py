@@ -1,15 +1,16 @@
 """Measurements: loads and poses row by row, in SI, checked once, in the order in which they were taken."""
 
+import math
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .data_columns import COLUMNS, match
+from .data_columns import COLUMNS, column_of, match
 from .data_files import Table, read_table, table_of
 from .errors import InputError
 from .files import csv_text, write_whole
@@ -133,6 +134,26 @@ class Measurements:
                              f"({self.n},) or a list of indices")  # fmt: skip
         others = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         return type(self)(**{**others, **{name: others[name][chosen] for name in _ARRAYS}})
+
+    def with_noise(self, noise: Mapping[str, float]) -> Self:
+        """Return the same rows with their noise declared where it is not, e.g. ``{"x_mm": 0.1, "lam_N": 0.2}``.
+
+        Raises
+        ------
+        InputError : no column says the noise of that, or a number is not > 0.
+        """
+        changed: dict[str, Any] = {}
+        for name, value in noise.items():
+            try:
+                column, unit = column_of(f"sigma_{name}")
+            except InputError as error:
+                raise InputError(f"noise of {name}: {error}") from None
+            if not 0.0 < value < math.inf:
+                raise InputError(f"noise of {name} = {value!r}: allowed is a number > 0")
+            own = getattr(self, column.name)
+            changed[column.name] = np.where(np.isnan(own), column.numbers([value], unit)[0][0], own)
+        own_columns = (*self.columns, *(f"sigma_{name}" for name in noise if f"sigma_{name}" not in self.columns))
+        return replace(self, **changed, columns=own_columns)
 
     def to_csv(self, path: str | os.PathLike[str], comment: str = "") -> Path:
         """Write the rows in SI to the last digit, so that `read_measurements` gives back every entry.

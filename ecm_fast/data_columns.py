@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .errors import InputError, did_you_mean
 
-__all__ = ["COLUMNS", "Column", "is_note", "match"]
+__all__ = ["COLUMNS", "Column", "column_of", "is_note", "match"]
 
 Units = Mapping[str, tuple[float, float]]
 
@@ -174,7 +174,7 @@ def match(names: Iterable[str]) -> list[tuple[Column, str]]:
     matched, wrong = list[tuple[Column, str]](), list[str]()
     for place, name in enumerate(names, start=1):
         try:
-            column, unit = _named(name, place)
+            column, unit = column_of(name, place)
         except InputError as error:
             wrong.append(str(error))
             continue
@@ -192,7 +192,13 @@ def match(names: Iterable[str]) -> list[tuple[Column, str]]:
     return matched
 
 
-def _named(name: str, place: int) -> tuple[Column, str]:
+def column_of(name: str, place: int = 1) -> tuple[Column, str]:
+    """Return the column that a name means, and its unit suffix.
+
+    Raises
+    ------
+    InputError : the name is unknown, or has no unit or a foreign one.
+    """
     if not name:
         raise InputError(f"column {place} has no name; name it or delete it")
     # The longest quantity that fits: sigma_x_mm is sigma_x in mm.

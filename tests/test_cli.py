@@ -372,7 +372,7 @@ SOLVE = ("solve", "--tendons", "1", "2")
         ((*SOLVE, "--wrench", "1", "a\nb", "3"), f"argument --wrench: 'a\\nb': {FINITE}"),
         (
             ("diagnose", "run.csv", "--prior", "GA", "2420"),
-            "argument --prior: expected 3 arguments, NAME VALUE STD, such as --prior GA 2420 120; "
+            "argument --prior: expected 3 arguments, NAME VALUE STD, such as --prior GA 2420 17; "
             "see ecm-fast diagnose --help",
         ),
         (

@@ -339,3 +339,28 @@ def test_without_rows_nothing_is_written(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"run\.csv: no rows to write; a measurement file has at least one$"):
         run.to_csv(tmp_path / "run.csv")
     assert not (tmp_path / "run.csv").exists()
+
+
+def test_noise_is_declared_where_it_is_not() -> None:
+    data = Measurements.from_columns({"x_m": [0.1, 0.2], "sigma_x_mm": [None, 0.3]})
+    found = data.with_noise({"x_mm": 0.1, "theta_deg": 180.0, "lam_N": 0.2})
+    np.testing.assert_allclose(found.sigma_x, [1e-4, 3e-4], rtol=1e-15)
+    np.testing.assert_allclose(found.sigma_theta, np.pi, rtol=1e-15)
+    np.testing.assert_array_equal(found.sigma_lam, 0.2)
+    assert np.isnan(found.sigma_z).all()
+    assert found.columns == ("x_m", "sigma_x_mm", "sigma_theta_deg", "sigma_lam_N")
+    assert np.isnan(data.sigma_x[0])
+
+
+@pytest.mark.parametrize(
+    ("noise", "text"),
+    [
+        ({"fz_N": 1.0}, "noise of fz_N: unknown column 'sigma_fz_N' (known are sigma_x_m"),
+        ({"x": 1.0}, "noise of x: column 'sigma_x': the unit is missing; allowed are sigma_x_m, sigma_x_cm"),
+        ({"x_mm": 0.0}, "noise of x_mm = 0.0: allowed is a number > 0"),
+    ],
+)
+def test_noise_that_cannot_be(noise: dict[str, float], text: str) -> None:
+    with pytest.raises(InputError) as caught:
+        Measurements.from_columns({"x_m": [0.1]}).with_noise(noise)
+    assert str(caught.value).startswith(text)

@@ -10,12 +10,24 @@ from ..errors import InputError, did_you_mean
 from ._answer import EXIT_CODES, Command
 
 if TYPE_CHECKING:
+    from ..data import Measurements
     from ..mechanism import Mechanism
 
-__all__ = ["add_model", "count", "discretization", "finite_number", "mechanism", "parse", "tension"]
+__all__ = [
+    "add_model",
+    "add_noise",
+    "count",
+    "discretization",
+    "finite_number",
+    "measurements",
+    "mechanism",
+    "numbers_by_name",
+    "parse",
+    "tension",
+]
 
 
-EXAMPLES = {"--prior": "--prior GA 2420 17", "--at-most": "--at-most fx_N 0"}
+EXAMPLES = {"--prior": "--prior GA 2420 17", "--at-most": "--at-most fx_N 0", "--noise": "--noise x_mm 0.1"}
 """Of options whose words a reader could not guess."""
 
 
@@ -110,6 +122,37 @@ def finite_number(text: str) -> float:
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"{text.strip()!r}: allowed is a finite number")
     return value
+
+
+def add_noise(parser: argparse.ArgumentParser) -> None:
+    """Let a command be told the noise of readings that do not say it."""
+    parser.add_argument(
+        "--noise",
+        action="append",
+        default=[],
+        nargs=2,
+        metavar=("READING", "SIGMA"),
+        help=f"noise of x, z, theta or lam, one standard deviation ({EXAMPLES['--noise']}), of all rows that declare "
+        "none; may be given several times",
+    )
+
+
+def measurements(path: str, args: argparse.Namespace) -> "Measurements":
+    """Return the measurements of a file, with the noise that `add_noise` lets be told."""
+    from ..data import read_measurements
+
+    return read_measurements(path).with_noise(numbers_by_name("--noise", args.noise))
+
+
+def numbers_by_name(option: str, given: list[list[str]]) -> dict[str, float]:
+    """Return the numbers of an option that takes a name and a number and may be given several times."""
+    found: dict[str, float] = {}
+    for name, number in given:
+        try:
+            found[name] = finite_number(number)
+        except argparse.ArgumentTypeError as error:
+            raise InputError(f"argument {option} {name}: {error}") from None
+    return found
 
 
 def tension(text: str) -> float:

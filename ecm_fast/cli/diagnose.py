@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 from ._answer import DONE, Answer, Command, folder, saved
-from ._arguments import EXAMPLES, finite_number, mechanism
+from ._arguments import EXAMPLES, add_noise, finite_number, measurements, mechanism, numbers_by_name
 from ._streams import Waiting
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ def _add_common(parser: argparse.ArgumentParser) -> None:
         f"deviation: it takes the place of the mechanism file's value ({EXAMPLES['--prior']}); may be given several "
         "times",
     )
+    add_noise(parser)
     parser.add_argument("--force-sigma", type=finite_number, metavar="N", help="noise of the force readings [N]")
     parser.add_argument(
         "--alpha",
@@ -77,11 +78,10 @@ def _add_diagnose(parser: argparse.ArgumentParser) -> None:
 
 
 def _common(args: argparse.Namespace) -> dict[str, Any]:
-    from ..data import read_measurements
     from .identify import _priors
 
     return {
-        "data": [read_measurements(path) for path in args.data],
+        "data": [measurements(path, args) for path in args.data],
         "candidates": args.candidates,
         "uncertain": _uncertain(args.uncertain),
         "priors": _priors(args.prior),
@@ -110,12 +110,11 @@ def _diagnose(args: argparse.Namespace) -> Answer:
 
 
 def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
-    from ..data import read_measurements
     from ..diagnosis import diagnose
 
     neck, common = mechanism(args), _common(args)
     noticed = _noticed(neck, common["data"])
-    found = diagnose(neck, **common, test=[read_measurements(path) for path in args.test], progress=waiting)
+    found = diagnose(neck, **common, test=[measurements(path, args) for path in args.test], progress=waiting)
     path = folder(args.out or "out") / "mechanism.toml"
     found.mechanism.to_toml(path)
     waiting("what to measure next")
@@ -201,6 +200,7 @@ def _inputs(args: argparse.Namespace) -> dict[str, Any]:
         "mechanism": None if args.mechanism is None else str(Path(args.mechanism).resolve()),
         "data": [str(Path(path).resolve()) for path in args.data],
         "priors": {name: list(prior) for name, prior in _priors(args.prior).items()},
+        "noise": numbers_by_name("--noise", args.noise),
     }
 
 

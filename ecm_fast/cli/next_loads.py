@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, shown, why
 from ._answer import Answer, Command, saved
-from ._arguments import EXAMPLES, count, finite_number
+from ._arguments import EXAMPLES, count, finite_number, numbers_by_name
 
 if TYPE_CHECKING:
     from ..diagnosis.next_loads import NextLoads
@@ -45,10 +45,10 @@ def _run(args: argparse.Namespace) -> Answer:
     result = _read(args.result)
     inputs = result["inputs"]
     neck = Mechanism.preset() if inputs["mechanism"] is None else Mechanism.from_toml(inputs["mechanism"])
-    data = [read_measurements(path) for path in inputs["data"]]
+    data = [read_measurements(path).with_noise(inputs.get("noise", {})) for path in inputs["data"]]
     priors = {name: (float(value), float(std)) for name, (value, std) in inputs["priors"].items()}
     sets, alone = in_question(result["models"])
-    pool = Pool.of(args.add_ons or ADD_ONS).within(_limits(args.at_most))
+    pool = Pool.of(args.add_ons or ADD_ONS).within(numbers_by_name("--at-most", args.at_most))
     sigma, force = result["noise"]["sigma"], result["noise"]["force"] or 0.0
     rivals = rivals_of(neck, data, sets, priors=priors, force_sigma=force)
     if len(rivals) < 2:
@@ -59,16 +59,6 @@ def _run(args: argparse.Namespace) -> Answer:
     found = next_loads(rivals, data, sigma=known, force_sigma=force, minutes=args.minutes, repeats=args.repeats,
                        priors=priors, pool=pool, first_alone=alone)  # fmt: skip
     return Answer(found.to_json_dict(), _text(found, alone), (*found.remarks, *saved(args, found.to_json_dict())))
-
-
-def _limits(given: list[list[str]]) -> dict[str, float]:
-    limits: dict[str, float] = {}
-    for name, limit in given:
-        try:
-            limits[name] = finite_number(limit)
-        except argparse.ArgumentTypeError as error:
-            raise InputError(f"argument --at-most {name}: {error}") from None
-    return limits
 
 
 def _read(path: str) -> dict[str, Any]:

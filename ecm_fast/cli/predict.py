@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ._answer import DONE, NOT_CONVERGED, Answer, Command, folder
-from ._arguments import add_model, discretization, mechanism
+from ._arguments import add_model, add_noise, discretization, measurements, mechanism
 
 if TYPE_CHECKING:
     from ..prediction import Prediction
@@ -20,14 +20,14 @@ _SHOWN = 5
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("data", metavar="DATA", help="measurements: .csv, .parquet or .mat; poses may be missing")
     add_model(parser)
+    add_noise(parser)
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..data import read_measurements
     from ..equilibrium import Status
     from ..prediction import predict
 
-    neck, data = mechanism(args), read_measurements(args.data)
+    neck, data = mechanism(args), measurements(args.data, args)
     path = folder(args.out or "out") / "predicted.csv"
     prediction = predict(neck, data, **discretization(args))
     prediction.to_csv(path)
