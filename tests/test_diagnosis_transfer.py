@@ -1,6 +1,7 @@
 """Experiments that were never fitted: a right name carries over to them, a wrong one is told to the reader first."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -75,6 +76,15 @@ def test_a_wrong_name_is_refuted_before_it_is_given(bent, side, tmp_path, capsys
     assert "Fit both" in answer["warnings"][0]
     page = (tmp_path / "diagnosis.html").read_text(encoding="utf-8")
     assert "does NOT carry over to side.csv" in page[: page.index("<h2>")]
+
+
+def test_a_test_file_with_a_wrong_sign_is_refused(bent, side, tmp_path, capsys):
+    bent.to_csv(tmp_path / "run.csv")
+    replace(side, fz=-side.fz).to_csv(tmp_path / "side.csv")
+    words = ["diagnose", str(tmp_path / "run.csv"), "--test", str(tmp_path / "side.csv"), "--out", str(tmp_path)]
+    assert main(words) == 2
+    assert "side.csv: " in (said := capsys.readouterr().err)
+    assert "sign" in said
 
 
 def test_a_calibration_that_may_move_is_told_from_a_wrong_name(bent, side):

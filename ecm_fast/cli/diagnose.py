@@ -111,10 +111,13 @@ def _diagnose(args: argparse.Namespace) -> Answer:
 
 def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
     from ..diagnosis import diagnose
+    from ..diagnosis.checks import check
 
-    neck, common = mechanism(args), _common(args)
+    neck, common, tests = mechanism(args), _common(args), [measurements(path, args) for path in args.test]
     noticed = _noticed(neck, common["data"])
-    found = diagnose(neck, **common, test=[measurements(path, args) for path in args.test], progress=waiting)
+    for part in tests:
+        check(neck, part)  # a sign or a unit that is wrong there would look like an effect that does not carry over
+    found = diagnose(neck, **common, test=tests, progress=waiting)
     path = folder(args.out or "out") / "mechanism.toml"
     found.mechanism.to_toml(path)
     waiting("what to measure next")
