@@ -87,6 +87,9 @@ def test_the_nearest_that_can_be_meant_come_into_question() -> None:
     alike = in_question([model("a", 0.0, in_set=True), model("b", 2.0, in_set=True), *far])
     assert alike == ([("a",), ("b",)], False)
     assert in_question([]) == ([], False)
+    refuted = [{"rivals": [{"name": "b", "carries_over": False}, {"name": "c", "carries_over": True}]}]
+    left = in_question([model("a", 0.0, in_set=True), model("b", 2.0, in_set=True), *far], refuted)
+    assert left == ([("a",), ("c",), ("d",), ("e",)], True)
 
 
 def test_the_first_load_is_the_best_of_all_by_brute_force(rivals) -> None:

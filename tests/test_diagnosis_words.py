@@ -57,7 +57,7 @@ def test_what_fails_comes_first_and_what_holds_comes_last() -> None:
     assert said(shown(1.1)).endswith("never fitted (18 without it).")
     others = (("soft_spot", 0.8), ("pulley_radius", 4.4))
     assert said(replace(shown(1.1), rivals=others)).endswith(
-        "So does soft_spot (0.8), which this file does not refute. It refutes pulley_radius (4.4)."
+        "So does soft_spot (0.8), not refuted by this file. It refutes pulley_radius (4.4)."
     )
     assert "Of the next best, soft_spot (0.8) would. Fit both" in said(replace(shown(7.0), rivals=others))
     assert "1 more left out as outliers" in said(replace(shown(1.1), left_out=1))

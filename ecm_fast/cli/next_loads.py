@@ -47,7 +47,7 @@ def _run(args: argparse.Namespace) -> Answer:
     neck = Mechanism.preset() if inputs["mechanism"] is None else Mechanism.from_toml(inputs["mechanism"])
     data = [read_measurements(path).with_noise(inputs.get("noise", {})) for path in inputs["data"]]
     priors = {name: (float(value), float(std)) for name, (value, std) in inputs["priors"].items()}
-    sets, alone = in_question(result["models"])
+    sets, alone = in_question(result["models"], result.get("transfer", ()))
     pool = Pool.of(args.add_ons or ADD_ONS).within(numbers_by_name("--at-most", args.at_most))
     sigma, force = result["noise"]["sigma"], result["noise"]["force"] or 0.0
     rivals = rivals_of(neck, data, sets, priors=priors, force_sigma=force)

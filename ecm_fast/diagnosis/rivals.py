@@ -93,11 +93,16 @@ def rivals_of(
     return fitted_rivals(mechanism, data, alike[:_MOST], priors=priors, force_sigma=force_sigma)
 
 
-def in_question(models: Sequence[Mapping[str, Any]]) -> tuple[list[tuple[str, ...]], bool]:
+def in_question(
+    models: Sequence[Mapping[str, Any]], transfer: Sequence[Mapping[str, Any]] = ()
+) -> tuple[list[tuple[str, ...]], bool]:
     """Return explanations that further loads have to tell apart, and whether that is the first one from the others.
 
-    Where data leave one alone, the nearest ones that can be meant check it. `models` are those of a diagnosis's JSON.
+    Where data leave one alone, the nearest ones that can be meant check it. `models` and `transfer` are those of a
+    diagnosis's JSON; what an experiment that was never fitted refutes is out of the question.
     """
+    out = {entry["name"] for part in transfer for entry in part.get("rivals", ()) if not entry["carries_over"]}
+    models = [model for model in models if " with ".join(model["names"]) not in out]
     found = [tuple(model["names"]) for model in models if model["in_set"]]
     if len(found) != 1:
         return found, False

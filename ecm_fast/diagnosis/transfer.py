@@ -23,7 +23,7 @@ __all__ = ["transfer"]
 
 Array = NDArray[np.float64]
 
-_RIVALS = 3
+_RIVALS = 5
 
 
 def transfer(there: Problem, found: Found, noise: Noise, seed: int) -> Transfer | None:

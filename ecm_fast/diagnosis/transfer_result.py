@@ -98,7 +98,7 @@ def _others(entry: Transfer) -> str:
     """Return what becomes there of the next best explanations."""
     meets = [f"{name} ({left:.3g})" for name, left in entry.rivals if left <= entry.allowed]
     misses = [f"{name} ({left:.3g})" for name, left in entry.rivals if left > entry.allowed]
-    said = f" So does {' and so does '.join(meets)}, which this file does not refute." if meets else ""
+    said = f" So {'do' if len(meets) > 1 else 'does'} {' and '.join(meets)}, not refuted by this file." if meets else ""
     return said + (f" It refutes {' and '.join(misses)}." if misses else "")
 
 
