@@ -379,7 +379,7 @@ def table(by_design: dict[str, dict[str, str]]) -> list[str]:
     """Return the lines of a table, one column a design."""
     names = [DESIGNS.get(design, design) for design in by_design]
     lines = [f"| | {' | '.join(names)} |", f"|---|{'---|' * len(names)}"]
-    for what in next(iter(by_design.values())):
+    for what in next(iter(by_design.values()), ()):
         lines += [f"| {what} | {' | '.join(column[what] for column in by_design.values())} |"]
     return lines
 
@@ -425,7 +425,9 @@ def main(words: list[str] | None = None, diagnose: Diagnose = diagnosed, tell: T
         if args.generate_only:
             continue
         scores = graded(own)
-        columns = {design: rates([entry for entry in scores if entry.cell.design == design]) for design in args.designs}
+        done = {entry.cell.design for entry in scores}
+        columns = {design: rates([entry for entry in scores if entry.cell.design == design])
+                   for design in args.designs if design in done}  # fmt: skip
         lines += ["", MATERIALS[materials], "", *table(columns)]
         summary[materials] = {"rates": columns, "effects": by_effect(scores)}
     if args.generate_only:
