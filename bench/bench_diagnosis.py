@@ -28,7 +28,7 @@ HIDDEN = {
 }
 
 
-@pytest.mark.parametrize(("rows", "what"), [*((300, what) for what in HIDDEN), (3000, "clean"), (3000, "two effects")])
+@pytest.mark.parametrize(("rows", "what"), [*((300, what) for what in HIDDEN), (3000, "clean")])
 def bench_diagnose(benchmark, rows, what):
     benchmark.group, hidden = f"a diagnosis of {rows} poses", HIDDEN[what]
     made = NECK.replace(**{f"effects.{name}": value for name, value in hidden.items()})
@@ -53,11 +53,11 @@ def tool():
 def bench_error_rates(benchmark, tool, tmp_path):
     words = ["--folder", str(tmp_path), "--groups", "clean", "effects", "--designs", "T", "--count", "1",
              "--materials", "known"]  # fmt: skip
-    assert benchmark.pedantic(lambda: tool.main(words), rounds=1) == 0
+    assert benchmark.pedantic(lambda: tool.main(words, tell=lambda *_: {}), rounds=1) == 0  # sigmas take twice as long
     rates = json.loads((tmp_path / "rates.json").read_text())["known"]["rates"]["T"]
     benchmark.extra_info.update(rates)
     share = {what: float(rate.partition("%")[0]) for what, rate in rates.items() if "%" in rate}
-    # of ten clean sets and some twenty far from every rival: the goals of 1 % and 99 %, and room for one by chance
+    # of ten clean sets and some fifty answers: the goals of 1, 98 and 99 %, and room for chance
     assert share["false alarm on clean data"] <= 10.0
-    assert share["one effect, 8 sigma or more from every rival: named first"] >= 90.0
     assert share["of those: truth in the reported set"] >= 90.0
+    assert share["a name printed alone is right"] >= 90.0
