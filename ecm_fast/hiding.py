@@ -25,16 +25,7 @@ Rng = np.random.Generator
 RANDOM, RANDOM_OUTSIDE = "random", "random_outside"
 """Names that stand for any effect of the catalogue, and for any that is in none."""
 
-TOLERANCES = {
-    "lever_arm": 2e-5,
-    "lever_arm_asymmetry": 2e-5,
-    "pulley_height": 1e-4,
-    "pulley_spacing": 5e-5,
-    "pulley_shift": 1e-5,
-    "beam_length": 3e-5,
-    "head_mass": 0.01,
-    "head_com_height": 1e-3,
-}
+TOLERANCES = {effect.name: effect.size.tolerance for effect in CATALOGUE.values() if effect.size.tolerance}
 """By how much a build differs from its drawing, one standard deviation, in the units of the effects."""
 FRAME = {"camera_x_offset": 5e-4, "camera_z_offset": 5e-4, "camera_rotation": 5e-3, "marker_angle_offset": 5e-3}
 """By how much a camera's frame that nobody has aligned is off, one standard deviation."""

@@ -29,6 +29,7 @@ class Quantity:
     typical : the size one expects (a prior's scale), in the same unit
     status : where the default comes from
     source : the sentence behind the status
+    tolerance : by how much a build differs from its drawing, one standard deviation; 0 where no drawing tells the value
     """
 
     key: str
@@ -40,6 +41,7 @@ class Quantity:
     typical: float
     status: Status
     source: str = ""
+    tolerance: float = 0.0
 
     @property
     def name(self) -> str:

@@ -47,6 +47,7 @@ def effect(
     family: str = "user",
     size: str = "size",
     needs: Sequence[str] = (),
+    tolerance: float = 0.0,
 ) -> Callable[[Law], Law]:
     """Add an effect: a decorator of its law, which then takes part in everything as those of the catalogue do.
 
@@ -54,8 +55,8 @@ def effect(
     ----------
     name : a word of small letters and underscores, in no use yet
     more : further parameters, made by `ecm_fast.effects.also`; their values follow the size in the law's arguments
-    unit, typical, bounds, law, meaning, mirror, family, size, needs : see `ecm_fast.effects.Effect`; default bounds are
-        a hundred times the typical size
+    unit, typical, bounds, law, meaning, mirror, family, size, needs, tolerance : see `ecm_fast.effects.Effect` and
+        `ecm_fast.quantity.Quantity`; default bounds are a hundred times the typical size
     enters : what the law is given behind the values, and returns
 
         ``section``  gamma_x, gamma_z, kappa, place (share of the length); adds N, Q, M
@@ -76,7 +77,7 @@ def effect(
         bound = bounds or (-100.0 * typical, 100.0 * typical)
         own = declare(
             name, law or f"see {name}", unit, meaning, *more, typical=typical, bounds=bound, enters=_ENTERS[enters],
-            family=family, mirror=mirror, size=size, needs=tuple(needs),
+            family=family, mirror=mirror, size=size, needs=tuple(needs), tolerance=tolerance,
         )  # fmt: skip
         _check_name(own)
         append(own)

@@ -257,6 +257,7 @@ def test_effects_lists_the_catalogue(run: Run) -> None:
         "law": "u = kappa - a",
         "unit": "1/m",
         "typical": 0.2,
+        "tolerance": 0.0,
         "lower": -100.0,
         "upper": 100.0,
         "family": "moment bias",

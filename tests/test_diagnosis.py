@@ -167,6 +167,20 @@ def test_instruments_that_drift_by_less_than_their_noise_show_no_effect(clean):
     assert largest[0] < np.sqrt(3.0) < largest[1]
 
 
+def test_a_build_within_its_tolerances_shows_no_effect():
+    """Two dimensions are off by one standard deviation of their tolerances: no statistic exceeds the root of 2."""
+    off = {name: CATALOGUE[name].size.tolerance for name in ("beam_length", "lever_arm_asymmetry")}
+    told = declared(measure(NECK.replace(**off), LOADS, Sensors(camera_sigma=(0.0, 0.0, 0.0)), seed=1))
+    known = {name: (getattr(NECK.beam, name), 1e-3 * getattr(NECK.beam, name)) for name in ("EA", "GA", "EI")}
+    largest = []
+    for tolerances in (None, {}):
+        problem = Study(NECK, told, priors=known).problem()
+        problem.tolerances = problem.tolerances if tolerances is None else tolerances
+        values, noise = calibrate(problem)
+        largest.append(View.at(problem, values, (), noise, known=True).gates(0.01, 0)[0].statistic)
+    assert largest[0] < np.sqrt(2.0) < largest[1]
+
+
 def test_many_files_drift_as_one():
     blank = replace(declared(LOADS), x=np.full(LOADS.n, 0.1), z=np.zeros(LOADS.n), theta=np.zeros(LOADS.n))
     for files, columns in ((1, 3), (4, 12), (5, 3)):
@@ -230,14 +244,17 @@ def column(name, at, step, parts):
 
 
 def left_of(effect, parts, scatter=np.inf):
-    """Return the sigmas of a typical size once EA, GA and EI, known to a relative scatter each, are fitted."""
+    """Return the sigmas of a typical size beside EA, GA, EI, known to a relative scatter each, and the tolerances."""
     stiffness = {name: getattr(NECK.beam, name) for name in ("EA", "GA", "EI")}
-    calibrated = np.column_stack([column(name, value, 1e-3 * value, parts) for name, value in stiffness.items()])
-    known = np.diag(1.0 / (np.asarray(scatter) * list(stiffness.values())))
+    build = {found.size.key: found.size.tolerance for found in CATALOGUE.values() if found.size.tolerance}
+    calibrated = [column(name, value, 1e-3 * value, parts) for name, value in stiffness.items()]
+    known = 1.0 / np.array([*(np.asarray(scatter) * list(stiffness.values())), *build.values()])
+    fitted = np.column_stack([*calibrated, *(column(name, 0.0, scale, parts) for name, scale in build.items())])
+    fitted = np.vstack([fitted, np.diag(known)])
     typical = CATALOGUE[effect].size.typical
-    own = np.append(typical * column(CATALOGUE[effect].size.key, 0.0, 0.02 * typical, parts), np.zeros(3))
-    calibrated = np.vstack([calibrated, known])
-    return np.linalg.norm(own - calibrated @ np.linalg.lstsq(calibrated, own, rcond=None)[0])
+    own = column(CATALOGUE[effect].size.key, 0.0, 0.02 * typical, parts)
+    own = typical * np.append(own, np.zeros(len(known)))
+    return np.linalg.norm(own - fitted @ np.linalg.lstsq(fitted, own, rcond=None)[0])
 
 
 def test_what_does_not_show_is_said_with_the_loads_that_would_show_it():

@@ -62,7 +62,7 @@ def _shown(args: argparse.Namespace, entries: list[dict[str, Any]]) -> tuple[str
 def _entry(effect: Effect) -> dict[str, Any]:
     columns = ("name", "unit", "meaning", "default", "typical", "lower", "upper")
     return {
-        **{name: getattr(effect.size, name) for name in ("meaning", "unit", "typical", "lower", "upper")},
+        **{name: getattr(effect.size, name) for name in ("meaning", "unit", "typical", "tolerance", "lower", "upper")},
         **{name: getattr(effect, name) for name in ("name", "law", "family", "mirror", "enters", "needs")},
         "parameters": [{name: getattr(entry, name) for name in columns} for entry in effect],
     }
@@ -74,10 +74,11 @@ def _text(entry: Mapping[str, Any]) -> str:
     if "visible" in entry:
         others = ", ".join(f"{other['name']} {other['cosine']:.2f}" for other in entry["look_alikes"])
         shown = f"\n    {entry['visible']}, typical size {entry['sigmas']:.1f} sigma; look-alikes: {others or 'none'}"
+    drawn = f", {entry['tolerance']:g} within the tolerances of a build" if entry["tolerance"] else ""
     return (
         f"{entry['name']}: {entry['meaning']}\n"
         f"    {entry['law']}\n"
-        f"    typical {entry['typical']:g} {entry['unit']}, allowed {entry['lower']:g} to {entry['upper']:g}\n"
+        f"    typical {entry['typical']:g} {entry['unit']}{drawn}, allowed {entry['lower']:g} to {entry['upper']:g}\n"
         f"    enters {entry['enters']}; family {entry['family']}; mirror {entry['mirror']}{needs}{shown}"
     )
 

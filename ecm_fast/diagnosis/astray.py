@@ -50,11 +50,11 @@ def _worst(view: View, *, smooth: bool) -> tuple[int, float]:
 
     smooth : whether smooth functions are let free; a row that they bend to hides from them
     """
-    count = 3 * len(view.rows)
-    columns = view.rest[1][:count]
+    residual, columns, _ = view.rest
+    below = len(residual) - 3 * len(view.rows)
     if smooth:
-        columns = np.hstack([columns, view.smoothed()])
-    gain = removal(view.rest[0][:count].reshape(-1, 3), orthonormal(columns))
+        columns = np.hstack([columns, np.pad(view.smoothed(), ((0, below), (0, 0)))])
+    gain = removal(residual, orthonormal(columns), below=below)
     return int(np.argmax(gain)), float(gain.max())
 
 

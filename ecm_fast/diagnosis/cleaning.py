@@ -157,13 +157,15 @@ def _without_outliers(residual: Array, used: Mask, q: Array) -> tuple[Mask, Arra
     return good, q
 
 
-def removal(residual: Array, q: Array, scale: Array | float = 1.0) -> Array:
+def removal(residual: Array, q: Array, scale: Array | float = 1.0, below: int = 0) -> Array:
     """Return what the removal of each row takes off the sum of squares that a basis (3 n, q) leaves, (n,).
 
     scale : of the noise by channel, where that is not 1
+    below : how many residuals of priors stand below those of the rows
     """
-    off = (residual.ravel() - q @ (q.T @ residual.ravel())).reshape(-1, 3)
-    rows = q.reshape(-1, 3, q.shape[1])
+    count = residual.size - below
+    off = (residual.ravel() - q @ (q.T @ residual.ravel()))[:count].reshape(-1, 3)
+    rows = q[:count].reshape(-1, 3, q.shape[1])
     left = (1.0 + _ALMOST) * np.eye(3) - rows @ rows.transpose(0, 2, 1)
     return np.asarray((off * np.linalg.solve(left, off[:, :, None])[:, :, 0] / scale**2).sum(axis=1))
 

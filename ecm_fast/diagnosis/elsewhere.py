@@ -35,16 +35,19 @@ def elsewhere(view: View) -> tuple[tuple[str, ...], Array]:
     """
     problem, pool = view.problem, Pool.of()
     there = _problem(view, pool)
-    solver = there.solver([candidate.keys[0] for candidate in problem.candidates])
+    sizes = [candidate.keys[0] for candidate in problem.candidates]
+    solver = there.solver(list(dict.fromkeys([*sizes, *problem.tolerances])))
     at = [view.values.get(key, float(own)) for key, own in
           zip(solver.names, there.start(solver.names), strict=True)]  # fmt: skip
     state = solver.at(np.array(at))
-    weights = there.weights(there.noise(state), state)
+    weights = there.weights(there.noise(state), state, solver.names)
     by = np.where(state.stable[:, None, None], np.nan_to_num(weights.whitening @ state.by), 0.0)
     calibrated, free, readings = len(problem.keys), view.free.shape[1], 3 * len(view.rows)
     spread = np.array([candidate.spread[0] for candidate in problem.candidates])
     columns = np.zeros((*by.shape[:2], free + len(spread)))
     columns[:, :, :calibrated] = by[:, :, :calibrated]
+    hidden = calibrated + view.weights.shift.shape[2]
+    columns[:, :, hidden:free] = np.nan_to_num(weights.build)
     place = {key: i for i, key in enumerate(solver.names)}
     columns[:, :, free:] = by[:, :, [place[candidate.keys[0]] for candidate in problem.candidates]] * spread
     priors = np.zeros((len(view.free) - readings, len(spread)))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data import Measurements
+from ..effects import CATALOGUE
 from ..errors import InputError
 from ..identification import _mesh
 from ..identification_rows import FitRows, FitSet, Noise, State
@@ -42,11 +43,13 @@ class Weights:
     whitening : (n, 3, 3), see `identification_rows.Noise`
     sigma : (n, 3) noise of the camera that it rests on
     shift : (n, 3, s) whitened change of the pose by what instruments hide, one standard deviation of it
+    build : (n, 3, b) the same by dimensions of which the drawing tells one thing and the build another
     """
 
     whitening: Array
     sigma: Array
     shift: Array = field(repr=False)
+    build: Array = field(repr=False)
 
 
 class Problem:
@@ -69,6 +72,8 @@ class Problem:
         self.progress = progress or Progress()
         self.keys = (*STIFFNESSES, *(key for key in uncertain if key not in STIFFNESSES))
         self.prior = self._priors(uncertain, priors)
+        sizes = (effect.size for effect in CATALOGUE.values())
+        self.tolerances = {size.key: size.tolerance for size in sizes if size.tolerance and size.key not in self.keys}
         self.sets = [FitSet(mechanism, part) for part in data]
         self.par = pack(mechanism)
         self.rows = self.solver(())
@@ -129,15 +134,19 @@ class Problem:
         """Return what is known of the noise before anything is fitted."""
         return Noise.of(self.rows, state, self.force_sigma)
 
-    def weights(self, noise: Noise, state: State) -> Weights:
-        """Return how the readings of its stable rows count around a state, the force cells' noise carried through."""
+    def weights(self, noise: Noise, state: State, names: Sequence[str] = ()) -> Weights:
+        """Return how the readings of its stable rows count around a state, the force cells' noise carried through.
+
+        names : keys of the state's derivatives; only with them does it count that no build is quite as drawn
+        """
         used = self.wanted & state.stable[:, None]
         sigma = noise.filled(self.rows, state, used, robust=True)
         whitening = noise.whitening(np.where(np.isfinite(sigma), sigma, 1.0), state, used)
         by_force = np.where(used[:, :, None], np.nan_to_num(state.by_force), 0.0)
         by_camera = np.where(used, np.nan_to_num(sigma), 0.0)[:, :, None] * np.eye(3)
         hidden = [self._near_zero(noise.force, by_force), self._drift(noise.force, by_force, by_camera)]
-        return Weights(whitening, sigma, whitening @ np.concatenate(hidden, axis=2))
+        build = self._build(state, used, names)
+        return Weights(whitening, sigma, whitening @ np.concatenate(hidden, axis=2), whitening @ build)
 
     def _near_zero(self, force: Array, by_force: Array) -> Array:
         """Return what slack tendons change where their readings are not below zero, (n, 3, 1) or none of it."""
@@ -145,6 +154,12 @@ class Problem:
         near = force[:, None] * (lam < _NEAR_ZERO * force[:, None]) * _ZERO_SHIFT
         shift: Array = (by_force * near[:, None, :]).sum(axis=2, keepdims=True)
         return shift if near.any() else shift[:, :, :0]
+
+    def _build(self, state: State, used: Mask, names: Sequence[str]) -> Array:
+        """Return what each dimension does that is off by its tolerance, (n, 3, b)."""
+        tolerances = {key: value for key, value in self.tolerances.items() if key in names}
+        by: Array = state.by[:, :, [names.index(key) for key in tolerances]] * np.array(list(tolerances.values()))
+        return np.where(used[:, :, None], np.nan_to_num(by), 0.0)
 
     def _drift(self, force: Array, by_force: Array, by_camera: Array) -> Array:
         """Return what little the camera's channels and both force cells drift in a file, (n, 3, s)."""

@@ -62,7 +62,7 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit:
     members = [problem.candidates[i] for i in model]
     solver = problem.solver(problem.keys_of(model), view.rows)
     problem.progress.step(len(view.rows), " and ".join(member.name for member in members) or "no effect")
-    p, shifts = len(solver.names), view.weights.shift.shape[2]
+    p, shifts = len(solver.names), view.hidden.shape[2]
     calibrated = len(problem.keys)
     prior = problem.prior.and_of(
         [own for member in members for own in member.start], [std for member in members for std in member.spread]
@@ -76,7 +76,7 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit:
     first[calibrated:] = np.clip(
         first[calibrated:], prior.center[calibrated:] - reach, prior.center[calibrated:] + reach
     )
-    shift = view.flat(view.weights.shift[view.rows])
+    shift = view.flat(view.hidden)
     whitening, here = view.whitening, view.state.pose[view.rows]
 
     scales, tried = Scales.of(solver.names, problem.start(solver.names)), 0

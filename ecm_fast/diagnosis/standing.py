@@ -80,7 +80,7 @@ def beside(
 def _of_any_size(mechanism: Mechanism, data: Measurements, priors: Priors | None) -> tuple[View, Fit]:
     """Return the view in which effects may be as large as they like, and the fit without any."""
     problem = Study(mechanism, data, priors=priors or {}).problem()
-    problem.drift = 0.0
+    problem.drift, problem.tolerances = 0.0, {}
     problem.candidates = tuple(replace(entry, spread=(_ANY * entry.typical, *entry.spread[1:])) for entry in
                                problem.candidates)  # fmt: skip
     values, noise = calibrate(problem)

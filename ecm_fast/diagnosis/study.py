@@ -176,8 +176,8 @@ def _blank_filled(data: Measurements, pose: NDArray[np.float64]) -> Measurements
 def _in_words(view: View) -> str:
     x, z, theta = (_median(column[np.isfinite(column)]) for column in view.weights.sigma[view.rows].T)
     force = float(np.median(view.noise.force))
-    return (f"noise {1e3 * x:.3g} mm, {1e3 * z:.3g} mm, {1e3 * theta:.3g} mrad, forces {force:.3g} N, and a drift of "
-            f"{DRIFT:g} of it from first to last row")  # fmt: skip
+    return (f"noise {1e3 * x:.3g} mm, {1e3 * z:.3g} mm, {1e3 * theta:.3g} mrad, forces {force:.3g} N, a drift of "
+            f"{DRIFT:g} of it from first to last row, and a build within its tolerances")  # fmt: skip
 
 
 def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagnosis:

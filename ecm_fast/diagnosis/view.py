@@ -39,7 +39,8 @@ class View:
     model : places of the candidates that are in the model
     values : by key, of all that was fitted
     state : poses and derivatives by `keys`, nan in rows that are locked or without a measured pose
-    keys : calibrated parameters, sizes of all candidates, further parameters of the model's and of those in `values`
+    keys : calibrated parameters, sizes of all candidates, further parameters of the model's and of those in `values`,
+        other dimensions that have a tolerance
     noise, weights : what is known before the fit, and what follows from it here
     rows : places of the rows that count
     chain : their order
@@ -77,7 +78,9 @@ class View:
             for key in candidate.keys[1:]
             if i in model or key in values
         ]
-        solver = problem.solver((*(candidate.keys[0] for candidate in problem.candidates), *more), problem.open)
+        sizes = [candidate.keys[0] for candidate in problem.candidates]
+        drawn = [key for key in problem.tolerances if key not in sizes]
+        solver = problem.solver((*sizes, *more, *drawn), problem.open)
         at = problem.start(solver.names)
         at = np.array([values.get(key, float(own)) for key, own in zip(solver.names, at, strict=True)])
         problem.progress.step(problem.open.size, "derivatives by all effects")
@@ -85,7 +88,7 @@ class View:
         use = state.stable
         if not use.any():
             raise NotConverged("no row has a stable equilibrium on this mechanism")
-        weights, rows = problem.weights(noise, state), np.flatnonzero(use)
+        weights, rows = problem.weights(noise, state, solver.names), np.flatnonzero(use)
         smooth = smooth_columns(problem.data, use)
         draft = cls(problem, model, values, state, solver.names, noise, weights, rows, problem.chain(rows),
                     _NOTHING, rows[:0], smooth)  # fmt: skip
@@ -124,13 +127,18 @@ class View:
         """Column of `by` by key."""
         return {key: i for i, key in enumerate(self.keys)}
 
-    # What is free, in order: calibrated parameters, shifts near zero force, sizes of the model, their further ones
+    # What is free, in order: calibrated parameters, what is hidden, sizes of the model, their further ones
+
+    @cached_property
+    def hidden(self) -> Array:
+        """One standard deviation of what instruments and the build hide, whitened, (n, 3, s)."""
+        return np.concatenate([self.weights.shift, self.weights.build], axis=2)[self.rows]
 
     @cached_property
     def nuisances(self) -> tuple[Array, Array, Array]:
         """What calibration can do: columns (n, 3, p), and its priors' rows (q, p) with their residuals (q,)."""
         problem, size = self.problem, len(self.problem.keys)
-        columns = np.concatenate([self.by[:, :, :size], self.weights.shift[self.rows]], axis=2)
+        columns = np.concatenate([self.by[:, :, :size], self.hidden], axis=2)
         now = [self.values.get(key, float(own)) for key, own in
                zip(problem.keys, problem.start(problem.keys), strict=True)]  # fmt: skip
         off, slope = problem.prior.rows(np.array(now))
@@ -179,9 +187,9 @@ class View:
         return Cleaned(self.raw, np.ones(3), 0.0, 0.0, 0.0, np.inf, np.zeros(len(self.rows), dtype=bool))
 
     def _clean(self) -> Cleaned:
-        columns, _, _ = self.nuisances
+        columns = [self.by[:, :, : len(self.problem.keys)], self.weights.shift[self.rows]]
         readings = int(self.used.sum())
-        span = np.concatenate([columns, self.sizes[:, :, list(self.model)], self.further], axis=2)
+        span = np.concatenate([*columns, self.sizes[:, :, list(self.model)], self.further], axis=2)
         base = orthonormal(span.reshape(3 * len(self.rows), -1))
         effects = self.sizes.reshape(len(base), -1)
         effects = effects - base @ (base.T @ effects)

@@ -229,6 +229,7 @@ def _noise(found: Diagnosis) -> tuple[str, ...]:
     times = ", ".join(f"{value:.2f}" for value in noise.scale)
     return (f"Noise assumed: x {x:.3g} mm, z {z:.3g} mm, θ {theta:.3g} mrad, forces {noise.force:.3g} N ({origin}). "
             f"Each may drift by {DRIFT:g} of it from the first to the last row. "
+            "The build is as drawn within tolerances (ecm-fast effects). "
             f"What is left is {times} times the noise in x, z, θ.",)  # fmt: skip
 
 

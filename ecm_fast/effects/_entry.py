@@ -62,14 +62,17 @@ def effect(
     mirror: Mirror,
     size: str = "",
     needs: tuple[str, ...] = (),
+    tolerance: float = 0.0,
 ) -> Effect:
     """Declare an effect that is absent unless asked for.
 
     more : further parameters, see `also`; with them `size` names the first one
     typical : the size one expects, the scale of its prior
     bounds : what a mechanism may have, in the same unit
+    tolerance : how much of it is in a build that is as drawn, one standard deviation
     """
     key = f"effects.{name}"
-    first = Quantity(f"{key}.{size}" if more else key, unit, meaning, 0.0, *bounds, typical, "zero")
+    key_of_size = f"{key}.{size}" if more else key
+    first = Quantity(key_of_size, unit, meaning, 0.0, *bounds, typical, "zero", tolerance=tolerance)
     rest = (replace(entry, key=f"{key}.{entry.key}") for entry in more)
     return Effect(name, (first, *rest), law, enters, family, mirror, needs)

@@ -56,7 +56,7 @@ EFFECTS = (
            also("decay", "m", "length over which that fades", 0.02, (1e-4, 10.0), 0.005),
            typical=0.1, bounds=(-0.9, 100.0), family="compression-dependent", mirror="even", size="size"),
     effect("beam_length", "L + a", "m", "the beam is longer than drawn",
-           typical=1e-3, bounds=(-1.0, 1e3), family="x scale", mirror="even"),
+           typical=1e-3, bounds=(-1.0, 1e3), tolerance=3e-5, family="x scale", mirror="even"),
     effect("beam_mass", "rhoA + a", "kg/m", "the beam is heavier than listed",
            typical=1.0, bounds=(-1e6, 1e6), family="x scale", mirror="even"),
 )
