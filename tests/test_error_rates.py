@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ecm_fast.hiding import hide
 from ecm_fast.truth import Truth
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -96,6 +97,15 @@ def test_every_effect_is_a_cell_and_every_set_has_its_own_seed(tool, tmp_path):
     assert len(cells) == 2 * (2 + 67 + 1 + 8)
     seeds = [tool.Sealed(cell, number, tmp_path).seed for cell in cells for number in range(cell.count)]
     assert len(set(seeds)) == len(seeds)
+
+
+@pytest.mark.parametrize("noise", ["strong_force", "undeclared+strong_force"])
+def test_what_stands_out_is_measured_in_the_noise_there_is_said_or_not(tool, noise):
+    made, truth = hide(effects={"beam_length": 1e-3}, design="T", seed=5, noise=noise)
+    still = tool.still(truth, truth.effects)
+    assert still.n == made.n
+    for name, sigma in (("sigma_x", 1e-4), ("sigma_z", 1e-4), ("sigma_theta", 1e-3), ("sigma_lam", 0.4)):
+        assert np.all(getattr(still, name) == sigma)
 
 
 def test_the_table_goes_between_its_marks(tool, tmp_path):

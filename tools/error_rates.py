@@ -28,7 +28,7 @@ from ecm_fast.diagnosis.standing import beside, standing
 from ecm_fast.effects import CATALOGUE
 from ecm_fast.errors import InputError
 from ecm_fast.files import write_whole
-from ecm_fast.hiding import hide
+from ecm_fast.hiding import conditions, hide
 from ecm_fast.parameters import find
 from ecm_fast.scoring import Score, score
 from ecm_fast.testbed import BUILT_IN, OUTSIDE
@@ -68,8 +68,6 @@ BUILD = ("geometry", "frame", "undeclared")
 """Noises that say what is built and done; the others are those of the instruments."""
 INVISIBLE, VISIBLE = 2.0, 3.0
 """Sigmas below which nobody could see an effect, and from which a gap shows on the locked rows alone."""
-USUAL = {"sigma_x": 1e-4, "sigma_z": 1e-4, "sigma_theta": 1e-3}
-"""Noise of the camera where none is declared [m, m, rad]."""
 
 
 class Cell(NamedTuple):
@@ -176,13 +174,13 @@ def told(path: Path, truth: Truth, answer: dict[str, Any], priors: Told) -> dict
     if truth.kind == "clean":
         return {}
     neck, read, hidden = ecm.Mechanism(), read_measurements(path), {**truth.effects, **truth.outside}
-    names, exact, stands = (*truth.names, *truth.outside), still(truth, hidden, read), {}
+    names, exact, stands = (*truth.names, *truth.outside), still(truth, hidden), {}
     if len(names) == 1:
         stands[names[0]] = asdict(standing(neck, exact, names, priors=priors))
     else:  # what one of two would show alone
         for name in names:
             own = {key: value for key, value in hidden.items() if key.partition(".")[0] == name}
-            stands[name] = asdict(standing(neck, still(truth, own, read), names, rivals=0, priors=priors))
+            stands[name] = asdict(standing(neck, still(truth, own), names, rivals=0, priors=priors))
         for name, sigmas in beside(neck, exact, names, priors=priors).items():
             stands[name]["beside"] = sigmas
     (there, share), most = closed(exact, read, answer), None
@@ -191,13 +189,14 @@ def told(path: Path, truth: Truth, answer: dict[str, Any], priors: Told) -> dict
     return {"stands": stands, "gap": there, "closed": share, "most": most}
 
 
-def still(truth: Truth, effects: dict[str, float], read: Measurements) -> Measurements:
-    """Return the poses without noise under the loads without noise, with the noise that the readings declare."""
+def still(truth: Truth, effects: dict[str, float]) -> Measurements:
+    """Return the poses without noise under the loads without noise, and the noise that readings have, said or not."""
     noise = "+".join([*(name for name in truth.noise.split("+") if name in BUILD), "none"])
     data, _ = hide(effects=effects, design=truth.design, seed=truth.seed, noise=noise)
-    columns = {name: np.where(np.isfinite(getattr(read, name)), getattr(read, name), usual)
-               for name, usual in USUAL.items()}  # fmt: skip
-    return replace(data, **columns, sigma_lam=read.sigma_lam)
+    sensors = conditions(truth.noise).sensors
+    sigmas = (*sensors.camera_sigma, sensors.force_sigma)
+    names = ("sigma_x", "sigma_z", "sigma_theta", "sigma_lam")
+    return replace(data, **{name: np.full(data.n, sigma) for name, sigma in zip(names, sigmas, strict=True)})
 
 
 def closed(exact: Measurements, read: Measurements, answer: dict[str, Any]) -> tuple[float, float | None]:
