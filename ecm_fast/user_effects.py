@@ -80,6 +80,7 @@ def effect(
             family=family, mirror=mirror, size=size, needs=tuple(needs), tolerance=tolerance,
         )  # fmt: skip
         _check_name(own)
+        _check_scales(own)
         append(own)
         try:
             if enters == "rows":
@@ -123,6 +124,14 @@ def _check_name(own: Effect) -> None:
     used = len(PARAMETERS) - len(PLACES)
     if used + len(own.quantities) > N_USER:
         raise InputError(f"effect {own.name!r}: {N_USER} parameters can be added, {used} are in use")
+
+
+def _check_scales(own: Effect) -> None:
+    typical, tolerance = own.size.typical, own.size.tolerance
+    if not 0.0 < typical < np.inf:
+        raise InputError(f"effect {own.name!r}: typical = {typical!r}: allowed is a finite number above 0")
+    if not 0.0 <= tolerance < np.inf:
+        raise InputError(f"effect {own.name!r}: tolerance = {tolerance!r}: allowed is a finite number from 0 on")
 
 
 def _compile(enters: str) -> None:

@@ -121,6 +121,25 @@ def test_what_cannot_be_an_effect_is_refused(name, enters, law, message):
     assert parameters == ecm.PARAMETERS
 
 
+@pytest.mark.parametrize(
+    ("scale", "value"), [("typical", 0.0), ("typical", np.nan), ("tolerance", -1.0), ("tolerance", np.nan)]
+)
+def test_scales_that_cannot_be_are_refused(scale, value):
+    with pytest.raises(ecm.InputError, match=f"{scale} = {value}: allowed is a finite number"):
+        ecm.effect("own", unit="-", enters="head", **{"typical": 1.0, "bounds": (-1.0, 1.0), scale: value})(spring)
+
+
+def test_its_tolerance_is_taken_for_granted_as_those_of_the_catalogue_are(add):
+    """Two of one law: what is in a build as drawn adds its variance to that of the measured size."""
+    add("own_spring", enters="head", typical=0.2)(spring)
+    add("drawn_spring", enters="head", typical=0.2, tolerance=0.05)(spring)
+    data, _ = ecm.hide(design="T", seed=1)
+    (alone,), (drawn,) = (ecm.plan(NECK, data, candidates=[name]).sights for name in ("own_spring", "drawn_spring"))
+    (free,) = ecm.plan(NECK, data, candidates=["own_spring"], uncertain={"drawn_spring": 1e-9}).sights
+    expected = free.sigmas / np.hypot(1.0, free.sigmas * 0.05 / 0.2)
+    assert [alone.sigmas, drawn.sigmas] == pytest.approx([expected, expected], rel=0.01)
+
+
 def test_the_command_line_takes_a_file_of_effects(tmp_path, monkeypatch, capsys):
     """Every command: the file adds the effect, the mechanism has it, the prediction feels it."""
     monkeypatch.chdir(tmp_path)
