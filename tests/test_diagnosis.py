@@ -213,6 +213,15 @@ def test_a_stop_is_found_at_the_angle_where_it_is(clean):
     assert low < 0.3 < high < 0.33
 
 
+def test_a_stop_beside_a_larger_effect_is_found_at_the_angle_where_it_is():
+    """The usual angle is out of reach, and what the larger effect does hides the stop from the first look."""
+    stop = {"effects.contact_stop.stiffness": 4.0, "effects.contact_stop.angle": 0.33}
+    found = diagnose(NECK, measure(MADE.replace(bending_one_sided=0.02, **stop), LOADS, seed=3))
+    assert found.names == ("bending_one_sided", "contact_stop")
+    low, high = found.effects[1].interval["contact_stop.angle"]
+    assert low < 0.33 < high < 0.35
+
+
 def test_two_rows_that_a_stop_moves_are_no_outliers_wherever_it_is():
     """Two of the open rows bend further to its side than the angle, which nobody expects there."""
     stop = {"effects.contact_stop_one_sided.stiffness": 8.0, "effects.contact_stop_one_sided.angle": 0.36}

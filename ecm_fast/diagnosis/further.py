@@ -14,29 +14,36 @@ _STEPS = (-2.0, -1.0, 1.0, 2.0)
 """Prior standard deviations from the usual value: beyond its corner a law shows a fit nothing of itself."""
 
 
-def starts(view: View) -> dict[str, float]:
-    """Return the values, by key, that say more than the usual ones: of the first further parameter of every effect."""
-    return _scanned(view, view.residual, view.free, view.gram)[0]
+def starts(view: View, least: float = -np.inf) -> dict[str, float]:
+    """Return the values, by key, that say more than the usual ones: of the first further parameter of every effect.
+
+    least : evidence on top of the model that an effect must have to be worth it
+    """
+    return {key: value for key, (value, evidence) in _scanned(view).items() if evidence > least}
 
 
 def most_evidence(view: View) -> float:
     """Return the largest evidence of an effect on top of the model, wherever its further parameter begins."""
-    gram = view.rest[2]
-    return float(max(_scanned(view, *view.rest)[1], gram.singles()[0].max(initial=0.0)))
+    usual = float(view.rest[2].singles()[0].max(initial=0.0))
+    return max([usual, *(evidence for _, evidence in _scanned(view).values())])
 
 
-def _scanned(view: View, residual: Array, free: Array, gram: Gram) -> tuple[dict[str, float], float]:
-    """Return what `starts` does, and the largest evidence on the way."""
-    problem = view.problem
-    places = [i for i, candidate in enumerate(problem.candidates) if len(candidate.keys) > 1]
+def _scanned(view: View) -> dict[str, tuple[float, float]]:
+    """Return the values, by key, that say more than the usual ones, each with the evidence there.
+
+    Effects of the model keep what was fitted.
+    """
+    problem, (residual, free, gram) = view.problem, view.rest
+    places = [i for i, candidate in enumerate(problem.candidates) if len(candidate.keys) > 1 and i not in view.model]
     if not places:
-        return {}, 0.0
+        return {}
     chosen = [problem.candidates[i] for i in places]
-    solver = problem.solver([key for candidate in chosen for key in candidate.keys[:2]], view.rows)
+    keys = [key for candidate in chosen for key in candidate.keys[:2]]
+    solver = problem.solver([*problem.keys_of(view.model), *keys], view.rows)
     column = {key: n for n, key in enumerate(solver.names)}
     at = np.array([view.values.get(key, float(own)) for key, own in
                    zip(solver.names, problem.start(solver.names), strict=True)])  # fmt: skip
-    best, found = gram.singles()[0][places], dict[str, float]()
+    best, found = gram.singles()[0][places], dict[str, tuple[float, float]]()
     for step in _STEPS:
         tried = [float(np.clip(c.start[1] + step * c.spread[1], c.lower[1], c.upper[1])) for c in chosen]
         at[[column[c.keys[1]] for c in chosen]] = tried
@@ -46,5 +53,6 @@ def _scanned(view: View, residual: Array, free: Array, gram: Gram) -> tuple[dict
         evidence, _ = Gram.of(residual, free, np.vstack([signatures, below]), view.one_sided[places],
                               np.zeros(len(places))).singles()  # fmt: skip
         for n in np.flatnonzero(evidence > best):
-            found[chosen[n].keys[1]], best[n] = tried[n], evidence[n]
-    return found, float(best.max())
+            best[n] = evidence[n]
+            found[chosen[n].keys[1]] = tried[n], float(evidence[n])
+    return found

@@ -154,7 +154,8 @@ def onward(
     if admissible and not any(gate.alarm for gate in own):
         return Found(baseline, view, null, found, gates, 1, False, ())
     if max_effects >= 2:
-        both, null2, pairs = _pairs(problem, start, view, noise, fits)
+        begin = further.starts(view, _least(float(view.rest[2].singles()[0].max())))
+        both, null2, pairs = _pairs(problem, _looked_at(start, begin), _looked_at(view, begin), noise, fits)
         found[2] = pairs
         alone = _alone(both, pairs)
         single = max((fit.evidence for fit in alone), default=null2.evidence)
@@ -187,9 +188,9 @@ def _tested(found: Fits, alpha: float, seed: int) -> tuple[Fits, tuple[Gate, ...
     return (reduced, null, fits), gates
 
 
-def _looked_at(baseline: View, begin: dict[str, float]) -> View:
-    """Return the baseline with further parameters of effects where they begin."""
-    return View.at(baseline.problem, {**baseline.values, **begin}, (), baseline.noise) if begin else baseline
+def _looked_at(view: View, begin: dict[str, float]) -> View:
+    """Return a view with further parameters of effects where they begin."""
+    return View.at(view.problem, {**view.values, **begin}, view.model, view.noise) if begin else view
 
 
 def _admissible(fits: list[Fit], null: Fit, view: View) -> bool:
@@ -264,8 +265,12 @@ def _leaders(evidence: Array, allowed: NDArray[np.bool_], most: int) -> NDArray[
     order = np.argsort(-evidence)[:most]
     if not order.size:
         return order
-    best = float(evidence[order[0]])
-    return order[evidence[order] > best - max(_LEFT, _ROUGH * best)]
+    return order[evidence[order] > _least(float(evidence[order[0]]))]
+
+
+def _least(best: float) -> float:
+    """Return the evidence that an explanation must have on the linear model to be worth a fit beside the best one."""
+    return best - max(_LEFT, _ROUGH * best)
 
 
 def _fitted(view: View, models: Iterable[tuple[int, ...]], known: dict[tuple[int, ...], Fit]) -> list[Fit]:
