@@ -59,11 +59,11 @@ class Chain:
         fade = np.where(self.before >= 0, memory**self.gap, 0.0).reshape(-1, *[1] * (values.ndim - 1))
         return np.asarray((values - fade * values[self.before]) / np.sqrt(1.0 - fade**2))
 
-    def slowness(self, columns: Array) -> Array:
-        """Return how alike neighboring rows are in each of columns (3 n, q), (q,): 1 constant, -1 up and down."""
-        rows, here = columns.reshape(self.before.size, 3, -1), np.flatnonzero(self.before >= 0)
-        alike, all_of = (rows[here] * rows[self.before[here]]).sum(axis=(0, 1)), (columns**2).sum(axis=0)
-        return np.asarray(np.divide(alike, all_of, out=np.zeros_like(alike), where=all_of > 0.0))
+    def slowness(self, columns: Array) -> float:
+        """Return how alike neighboring rows are in columns (3 n, q), on average over their directions: at most 1."""
+        own = orthonormal(columns)
+        rows, here = own.reshape(self.before.size, 3, -1), np.flatnonzero(self.before >= 0)
+        return float((rows[here] * rows[self.before[here]]).sum() / max(own.shape[1], 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +88,7 @@ class Cleaned:
     dof: float
     outlier: Mask
 
-    def trusted_dof(self, slowness: Array) -> Array:
+    def trusted_dof(self, slowness: float = 1.0) -> float:
         """Degrees of freedom for rare events: what heavy tails once drawn in, and a memory half known, leave of them.
 
         What changes slowly from row to row has noise of a variance of (1 + r)/(1 - r) where rows remember by r; what
@@ -97,7 +97,7 @@ class Cleaned:
         slow = 2.0 * (slowness * self.memory_std / (1.0 - self.memory**2)) ** 2
         speaks = self.memory**2 / (self.memory**2 + self.memory_std**2) if self.memory > 0.0 else 0.0
         unknown = (1.0 + _RARE * self.tail) / self.dof + slow * speaks
-        return np.divide(1.0, unknown, out=np.full_like(unknown, np.inf), where=unknown > 0.0)
+        return 1.0 / unknown if unknown > 0.0 else np.inf
 
 
 def clean(residual: Array, used: Mask, basis: Array, chain: Chain, declared: Mask) -> Cleaned:

@@ -18,16 +18,12 @@ NAMED, SMOOTH = 0.3, 0.1
 The rest is for what noise is like in truth: tails, outliers and memory are told from the data, not known.
 """
 _DRAWS = 10_000
-_SMALL = 1e-3
 _SEEN = 1.0
 """Sigmas of one prior standard deviation below which an effect cannot make a statistic: it would be implausible."""
 
 
-def effects_gate(gram: Gram, dofs: Array, stage: int, alpha: float, seed: int) -> Gate:
-    """Return the test by the largest projected score over all candidates that could be seen.
-
-    Every candidate (k,) has its own degrees of freedom behind the noise that it sees.
-    """
+def effects_gate(gram: Gram, dof: float, stage: int, alpha: float, seed: int) -> Gate:
+    """Return the test by the largest projected score over all candidates that could be seen."""
     from scipy.special import stdtr
 
     seen = gram.norm >= _SEEN
@@ -37,24 +33,21 @@ def effects_gate(gram: Gram, dofs: Array, stage: int, alpha: float, seed: int) -
     sizes = np.where(gram.one_sided[seen], scores, np.abs(scores))
     largest = float(sizes.max())
     sides = np.where(gram.one_sided[seen], 1.0, 2.0)
-    bound = float((sides * stdtr(dofs[seen], -largest)).sum())
+    bound = float(sides.sum() * stdtr(dof, -largest))
     if bound < 0.1 * alpha:
         return Gate("effects", stage, largest, bound, alpha)
-    null = _null(gram, seen, dofs, seed)
+    null = _null(gram, seen, dof, seed)
     return Gate("effects", stage, largest, float((1 + (null >= largest).sum()) / (1 + null.size)), alpha)
 
 
-def null_quantile(gram: Gram, dofs: Array, alpha: float, seed: int) -> float:
+def null_quantile(gram: Gram, dof: float, alpha: float, seed: int) -> float:
     """Return what the largest score exceeds with a chance of `alpha` where nothing is missing."""
     seen = gram.norm >= _SEEN
-    return float(np.quantile(_null(gram, seen, dofs, seed), 1.0 - alpha)) if seen.any() else np.inf
+    return float(np.quantile(_null(gram, seen, dof, seed), 1.0 - alpha)) if seen.any() else np.inf
 
 
-def _null(gram: Gram, seen: NDArray[np.bool_], dofs: Array, seed: int) -> Array:
-    """Return draws of the largest score, (d,): Gaussian scores with the signatures' cosines, over their scales.
-
-    Scales err together. A mean square of f values is a cube of a Gaussian one to a per cent (Wilson and Hilferty 1931).
-    """
+def _null(gram: Gram, seen: NDArray[np.bool_], dof: float, seed: int) -> Array:
+    """Return draws of the largest score, (d,): Gaussian scores with the signatures' cosines, over a common scale."""
     rng = np.random.default_rng(seed)
     values, vectors = np.linalg.eigh(gram.cosine[np.ix_(seen, seen)])
     large = values > 1e-3
@@ -63,13 +56,12 @@ def _null(gram: Gram, seen: NDArray[np.bool_], dofs: Array, seed: int) -> Array:
     draws = rng.standard_normal((_DRAWS, root.shape[1])) @ root.T
     one_sided = gram.one_sided[seen]
     draws[:, ~one_sided] = np.abs(draws[:, ~one_sided])
-    spread = 2.0 / (9.0 * dofs[seen])
-    mean_square = np.maximum(1.0 - spread + np.sqrt(spread) * rng.standard_normal((_DRAWS, 1)), _SMALL) ** 3
-    return np.asarray((draws / np.sqrt(mean_square)).max(axis=1))
+    common = np.sqrt(rng.chisquare(dof, _DRAWS) / dof) if np.isfinite(dof) else 1.0
+    return np.asarray(draws.max(axis=1) / common)
 
 
 def smooth_gate(
-    residual: Array, nuisances: Array, smooth: Sequence[Array], dofs: Array, stage: int, alpha: float
+    residual: Array, nuisances: Array, smooth: Sequence[Array], dofs: Sequence[float], stage: int, alpha: float
 ) -> Gate:
     """Return the test by what smooth functions take off the residual (m,) beyond the nuisances (m, p).
 

@@ -47,7 +47,7 @@ def sights(view: View, alpha: float, seed: int) -> tuple[Sight, ...]:
     if not candidates:
         return ()
     sigmas, cosine, apart = distances(view)
-    needed = null_quantile(gram, view.dofs, NAMED * alpha, seed) + _FOUND
+    needed = null_quantile(gram, view.cleaned.trusted_dof(), NAMED * alpha, seed) + _FOUND
     seen = needed <= _SEEN * sigmas
     rival = np.where(seen[None, :], apart, np.inf)
     what, then = elsewhere(view)

@@ -256,19 +256,12 @@ class View:
         smooth, kinds = self.smoothed(), np.repeat(self.smooth[1], 3)
         below = ((0, len(residual) - len(smooth)), (0, 0))
         by_kind = [smooth[:, kinds == kind] for kind in np.unique(kinds)]
-        slowness = np.array([self.chain.slowness(orthonormal(columns)).mean() for columns in by_kind])
+        dofs = [self.cleaned.trusted_dof(self.chain.slowness(columns)) for columns in by_kind]
         columns, stage = [np.pad(kind, below) for kind in by_kind], len(self.model)
         return (
-            effects_gate(gram, self.dofs, stage, NAMED * alpha, seed),
-            smooth_gate(residual, free, columns, self.cleaned.trusted_dof(slowness), stage, SMOOTH * alpha),
+            effects_gate(gram, self.cleaned.trusted_dof(), stage, NAMED * alpha, seed),
+            smooth_gate(residual, free, columns, dofs, stage, SMOOTH * alpha),
         )
-
-    @cached_property
-    def dofs(self) -> Array:
-        """Degrees of freedom behind the noise that each candidate sees beyond all that is free, (k,)."""
-        base, own = orthonormal(self.rest[1]), self.flat(self.sizes)
-        beyond = own - base[: len(own)] @ (base[: len(own)].T @ own)
-        return self.cleaned.trusted_dof(self.chain.slowness(beyond))
 
     @cached_property
     def _solved(self) -> Array:
