@@ -1,6 +1,7 @@
 """Promises of the next experiment against brute force: the rival is refitted in full to poses of the true one."""
 
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 import pytest
@@ -111,6 +112,30 @@ def test_more_time_never_promises_less(rivals) -> None:
     assert all(entry.minutes <= minutes for entry, minutes in zip(found, (1.5, 6.0, 20.0), strict=True))
     promised = [entry.promised_sigma for entry in found[2].suggestions]
     assert promised == sorted(promised)
+
+
+POOR = tuple(10.0 * sigma for sigma in SIGMA)
+
+
+def test_every_load_of_the_plan_comes_once_and_what_it_promises_is_what_refits_leave(rivals) -> None:
+    """Ten times the noise is a tenth of the distance."""
+    chosen = next_loads(rivals, [LOADS_MEASURED], minutes=20.0, sigma=POOR)
+    assert len({tuple(entry.loads.items()) for entry in chosen.suggestions}) == len(chosen.suggestions)
+    assert max(entry.repeats for entry in chosen.suggestions) > 3
+    assert chosen.suggestions[-1].promised_sigma == pytest.approx(chosen.worst_after, rel=1e-6)
+    for count in range(1, len(chosen.suggestions) + 1):
+        loads = with_load(LOADS, chosen.suggestions[:count])
+        apart = [0.1 * refitted(one, other, loads) for one, other in permutations(rivals, 2)]
+        assert chosen.suggestions[count - 1].promised_sigma == pytest.approx(min(apart), rel=0.1, abs=0.1)
+
+
+def test_time_that_will_not_do_still_gets_a_plan_and_what_would_do_is_said(rivals) -> None:
+    chosen = next_loads(rivals, [LOADS_MEASURED], minutes=1.5, sigma=POOR)
+    assert len(chosen.suggestions) == 1
+    assert 0.0 < chosen.worst_before < chosen.worst_after < 3.0
+    assert all(0.0 < sigma < 3.0 for sigma in chosen.alone.values())
+    assert chosen.notes == ("1.5 minutes bring no two of them 3 sigma apart; 24 would",)
+    assert next_loads(rivals, [LOADS_MEASURED], minutes=24.0, sigma=POOR).worst_after > 3.0
 
 
 def test_force_noise_costs_certainty(rivals) -> None:

@@ -1,7 +1,8 @@
 """Rivals against each other: how far apart they are, and what each load that could be measured would add."""
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -28,6 +29,7 @@ _LARGEST = 1e8
 _LEAST_GAIN = 1e-6
 _HOPE = 3.0
 """Explanations that all the time on the best load leaves closer than this are one for the search."""
+_LONGER = (2, 4, 8, 16, 32)
 
 
 class Race:
@@ -105,11 +107,12 @@ class Race:
 
     def run(self, minutes: float, repeats: int) -> NextLoads:
         """Take the load that buys most per minute until the time is used, or all are apart."""
-        self.open = self._hopeful(minutes, repeats)
+        hopeful = self._hopeful(minutes)
+        self.open = hopeful if hopeful.any() else ~hopeful
         before, own = self.now(), np.array(self.pool.add_on)
         apart = np.sqrt(self.then(repeats)[self.open].min(axis=0, initial=_LARGEST))
         alone = {name: float(apart[(own == name) & self.feasible].max(initial=0.0)) for name in dict.fromkeys(own)}
-        mounted, spent, out, now = {"nothing"}, 0.0, list[Suggestion](), before
+        mounted, spent, taken, now = {"nothing"}, 0.0, list[int](), before
         while self.open.any() and now[self.open].min() < _ENOUGH**2:
             cost = np.array([self.pool.minutes(i, mounted, repeats) for i in range(len(own))])
             allowed = self.feasible & (cost <= minutes - spent)
@@ -120,22 +123,33 @@ class Race:
             self._measure(best, repeats)
             now, spent = self.now(), spent + float(cost[best])
             mounted.add(self.pool.add_on[best])
-            closest = int(np.argmin(np.where(self.open, now, np.inf)))
-            i, j = self.pairs[closest]
-            split = self.rivals[i].name, self.rivals[j].name
-            promise = float(np.sqrt(now[closest]))
-            out.append(
-                Suggestion(self.pool.named(best), self.pool.add_on[best], repeats, float(cost[best]), promise, split)
-            )
+            taken.append(best)
         names = tuple(rival.name for rival in self.rivals)
         twins = tuple((names[i], names[j]) for (i, j), good in zip(self.pairs, self.open, strict=True)
                       if not good and i < j)  # fmt: skip
-        return NextLoads(names, self._square(before), self._square(now), tuple(out), alone, twins, _notes(self.rivals))
+        short = not hopeful.any() and now.min() < _HOPE**2
+        notes = (*_notes(self.rivals), *((self._longer(minutes),) if short else ()))
+        plan = tuple(self._plan(taken, repeats))
+        return NextLoads(names, self._square(before), self._square(now), plan, alone, twins, notes)
 
-    def _hopeful(self, minutes: float, repeats: int) -> NDArray[np.bool_]:
+    def _plan(self, taken: Sequence[int], repeats: int) -> Iterator[Suggestion]:
+        """Yield what was taken, each load once, with what it and those before it promise."""
+        later, mounted = Counter(taken), {"nothing"}
+        for load, times in Counter(taken).items():
+            del later[load]
+            without = [[one[0] - repeats * sum(n * one[1 + i] for i, n in later.items()) for one in term]
+                       for term in self.terms]  # fmt: skip
+            apart = np.where(self.open, np.sqrt([float(_left(*one)) for one in without]), np.inf)
+            i, j = self.pairs[int(np.argmin(apart))]
+            cost = self.pool.minutes(load, mounted, repeats * times)
+            mounted.add(self.pool.add_on[load])
+            yield Suggestion(self.pool.named(load), self.pool.add_on[load], repeats * times, cost,
+                             float(apart.min()), (self.rivals[i].name, self.rivals[j].name))  # fmt: skip
+
+    def _hopeful(self, minutes: float) -> NDArray[np.bool_]:
         """Return which pairs any load of the pool could split if all the time were spent on it, (pairs,)."""
-        cost = np.array([self.pool.minutes(i, {"nothing"}, repeats) / repeats for i in range(len(self.pool.add_on))])
-        readings = np.maximum(minutes / cost, 0.0) * self.feasible
+        cost = np.array([[self.pool.minutes(i, {"nothing"}, n) for n in (0, 1)] for i in range(len(self.pool.add_on))])
+        readings = np.maximum((minutes - cost[:, 0]) / (cost[:, 1] - cost[:, 0]), 0.0) * self.feasible
         best = np.array([
             float(_left(*(one[0] + readings.reshape(-1, *[1] * (one.ndim - 1)) * one[1:] for one in term)).max())
             for term in self.terms
@@ -143,6 +157,13 @@ class Race:
         other = {pair: k for k, pair in enumerate(self.pairs)}
         both = [min(best[k], best[other[j, i]]) for k, (i, j) in enumerate(self.pairs)]
         return np.asarray(np.array(both) >= _HOPE**2)
+
+    def _longer(self, minutes: float) -> str:
+        """Return how long it would take to tell any of the explanations apart, where the time there is will not do."""
+        enough = next((minutes * more for more in _LONGER if self._hopeful(minutes * more).any()), None)
+        if enough is None:
+            return f"no load here brings any two of them {_HOPE:g} sigma apart, however often it is read"
+        return f"{minutes:g} minutes bring no two of them {_HOPE:g} sigma apart; {enough:g} would"
 
     def _measure(self, load: int, repeats: int) -> None:
         """Count a load as measured; rivals that are close after it are refitted with it."""
