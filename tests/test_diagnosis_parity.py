@@ -8,6 +8,7 @@ from scipy import stats
 
 from ecm_fast.diagnosis.parity import parity
 from ecm_fast.errors import InputError
+from ecm_fast.identification import identify
 from ecm_fast.mechanism import Mechanism
 from ecm_fast.prediction import predict
 from ecm_fast.testbed import Sensors, equilibria, measure, readings, shear_test, tendon_test
@@ -64,6 +65,14 @@ def test_what_is_alike_on_both_sides_shows_against_a_model_alone() -> None:
     assert parity(data).verdict == ()
     assert "model" in parity(data).tests["even"].gap
     assert parity(data, predict(NECK, data).residual).verdict == ("even",)
+
+
+@pytest.mark.parametrize("size", [4e-3, -4e-3])
+def test_what_calibration_leaves_of_a_law_alike_on_both_sides_is_even(size) -> None:
+    """EI takes in the part that is linear in the difference of the forces, the one that needs no order of the pairs."""
+    data = measure(NECK.replace(bending_cubic=size), GRID, NOISE, 1)
+    fitted = identify(NECK, data, ["EA", "GA", "EI"]).mechanism
+    assert parity(data, predict(fitted, data).residual).verdict == ("even",)
 
 
 def test_friction_is_seen_as_path() -> None:

@@ -167,8 +167,9 @@ def _even(data: Measurements, residual: Array | None, rng: np.random.Generator) 
     pairs = _mirror_pairs(data)
     if len(pairs) < _FEWEST:
         return ParityTest("even", len(pairs), None, gap=_lacking(len(pairs), "mirrored loads"))
-    i, j = pairs.T
-    return _tested("even", 0.5 * (residual[i] + _UNDER_MIRROR * residual[j]), _shape(load_table(data)[i]), rng)
+    loads = load_table(data)
+    i, j = _ordered(pairs, leaning(loads))
+    return _tested("even", 0.5 * (residual[i] + _UNDER_MIRROR * residual[j]), _shape(loads[i]), rng)
 
 
 def _path(data: Measurements, rng: np.random.Generator) -> ParityTest:
