@@ -101,7 +101,7 @@ def _text(mechanism: Mechanism, entries: Mapping[str, Quantity], *, with_source:
             entry, value = entries[f"{section}.{name}"], getattr(getattr(mechanism, section), name)
             source = f" ({entry.status}: {entry.source})" if with_source else ""
             lines.append(f"{name} = {_literal(value)}  # {_unit(entry)}{entry.meaning}{source}")
-    lines += ["", "[effects]  # absent means 0"]
+    lines += ["", "[effects]  # absent means 0; below 0 is the other way round than said"]
     for name, value in mechanism.effects.items():
         entry = entries[f"effects.{name}"]
         lines.append(f"{name} = {_literal(value)}  # {_unit(entry)}{entry.meaning}")

@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from ecm_fast.diagnosis.claim_words import meaning, next_best, size
+from ecm_fast.diagnosis.claim_words import alike, meaning, next_best, size
 from ecm_fast.diagnosis.parts import Claim, Gap, Model, Rms
 from ecm_fast.diagnosis.transfer_result import Transfer
 from ecm_fast.diagnosis.words import sentence
@@ -31,6 +31,23 @@ def test_a_size_has_its_unit_its_interval_and_its_meaning() -> None:
     line = size(CLAIM, NAME)
     assert line == "clamp_rotation_compliance = 0.00152 rad/(N m) (90 %: 0.00143 to 0.00161)"
     assert meaning(CLAIM) == "the clamp turns under the beam's couple"
+    shorter = replace(CLAIM, name="lever_arm", parameters={"lever_arm": -8e-4})
+    assert meaning(shorter).endswith("farther from the middle than drawn; below zero: the other way round")
+
+
+def test_look_alikes_have_the_sizes_that_they_would_have() -> None:
+    """The best explanation that has a name says its size; a single effect says nothing of a pair."""
+    claim = replace(CLAIM, look_alikes=("lever_arm", "soft_spot"), probability=0.62)
+    pairs = [
+        Model((NAME, "creep"), (1.5e-3, 0.01), 50.0, 50.0, 0.0, in_set=True),
+        Model(("lever_arm", "creep"), (-8e-4, 0.01), 47.0, 47.0, 3.0, in_set=True),
+        Model(("lever_arm", "shear_cubic"), (-9e-4, 2.0), 46.0, 46.0, 4.0, in_set=True),
+        Model(("soft_spot", "creep"), (0.3, 0.01), 30.0, 30.0, 20.0, in_set=False),
+        model("lever_arm", 0.0, in_set=True),
+    ]
+    told = "lever_arm (-0.0008 m), soft_spot; chance of clamp_rotation_compliance among them 62%"
+    assert alike(pairs[::-1], (NAME, "creep"), claim) == told
+    assert alike(pairs, (NAME, "creep"), CLAIM) == ""
 
 
 def test_the_next_best_is_the_first_that_can_be_meant_outside_of_the_set() -> None:
@@ -40,8 +57,8 @@ def test_the_next_best_is_the_first_that_can_be_meant_outside_of_the_set() -> No
         model("stiffness_taper", 2.0 * math.log(28.0)),
         model("soft_spot", 40.0),
     ]
-    assert next_best(models, ["clamp_rotation_compliance"]) == "next best: stiffness_taper, 1 : 28"
-    assert next_best([models[0], models[3]], ["x"]) == "next best: soft_spot, 1 : more than 10000"
+    assert next_best(models, ["clamp_rotation_compliance"]) == "next best: stiffness_taper, 28 times less likely"
+    assert next_best([models[0], models[3]], ["x"]) == "next best: soft_spot, more than 10000 times less likely"
     assert "can be meant" in next_best(models[:2], ["x"])
     assert next_best(models, []) == ""
     assert next_best(models[:1], ["x"]) == ""  # nothing else was tried

@@ -208,20 +208,20 @@ def _inputs(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _text(found: "Diagnosis") -> str:
-    from ..diagnosis.claim_words import MIRRORS, meaning, next_best, size
+    from ..diagnosis.claim_words import MIRRORS, alike, meaning, next_best, size
 
     lines = [f"{found.verdict}: {found.sentence}"]
     for claim in found.effects:
         lines += [size(claim, name) for name in claim.parameters]
-        others = ", ".join(claim.look_alikes) or "none"
         lines += [f"  {meaning(claim)}", f"  {claim.sigmas:.1f} sigma, {MIRRORS[claim.mirror]}, family: {claim.family}",
-                  f"  look-alikes: {others}"]  # fmt: skip
+                  f"  look-alikes: {alike(found.models, found.names, claim) or 'none'}"]  # fmt: skip
     lines += [f"  {text}" for text in [next_best(found.models, found.names)] if text]
     lines += [f"{name} {estimate}" for name, estimate in found.calibration.items()]
     if found.gap:
-        for name in ("before", "after", "floor"):
+        words = {"before": f"before ({', '.join(found.calibration)} fitted alone)", "after": "after", "floor": "floor"}
+        for name, said in words.items():
             rms = getattr(found.gap, name)
-            lines.append(f"rows set aside, {name}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
+            lines.append(f"{found.gap.rows} rows set aside, {said}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
                          f"theta {1e3 * rms.theta:.3g} mrad, {rms.sigma:.3g} sigma")  # fmt: skip
     for gap in found.transfer:
         lines.append(f"never fitted, {gap.what}: {gap.before.sigma:.3g} sigma before, {gap.after.sigma:.3g} after; "

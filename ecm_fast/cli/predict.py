@@ -51,7 +51,8 @@ def _in_noise(prediction: "Prediction") -> list[str]:
 
     largest = np.nan_to_num(np.abs(prediction.sigmas)).max(axis=1)
     far = [i for i in np.argsort(-largest).tolist() if largest[i] > _FAR]
-    lines = [f"in units of the camera's noise as declared: {', '.join(known)}"]
+    cells = "; that of the force cells comes on top" if np.isfinite(prediction.data.sigma_lam).any() else ""
+    lines = [f"in units of the camera's noise as declared: {', '.join(known)}{cells}"]
     lines += [f"far off: {prediction.data.where(i)}, {largest[i]:.0f} times its noise" for i in far[:_SHOWN]]
     return [*lines, f"and {len(far) - _SHOWN} more rows"] if len(far) > _SHOWN else lines
 

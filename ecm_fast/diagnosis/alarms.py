@@ -34,16 +34,16 @@ def _priors(found: Found) -> Iterator[str]:
             offset = (fit.values[i] - center) * (1.0 + own[i, i] / std**2)
             off = offset / np.sqrt(own[i, i] + std**2)
         if abs(off) > _FAR:
-            yield _away(find(problem.keys[i]), center, std, center + offset, abs(off))
+            yield _away(find(problem.keys[i]), center, std, center + offset, float(np.sqrt(own[i, i])), abs(off))
 
 
-def _away(entry: Quantity, center: float, std: float, wanted: float, off: float) -> str:
-    prior = Estimate(center, std, center, center, entry.unit)
-    known = f"{off:.1f} standard deviations from {prior.rounded}"
+def _away(entry: Quantity, center: float, std: float, wanted: float, doubt: float, off: float) -> str:
+    prior, own = (Estimate(value, sd, value, value, entry.unit) for value, sd in ((center, std), (wanted, doubt)))
+    known = f"{off:.1f} standard deviations of both from {prior.rounded}"
     least = max(entry.lower, 0.0)
     if wanted <= least and entry.key in STIFFNESSES:
         return f"without any effect no physical {entry.name} fits the data: they want it below {least:g}, {known}"
-    return f"without any effect the data want {entry.name} = {wanted:.4g} {entry.unit}, {known}"
+    return f"without any effect the data want {entry.name} = {own.rounded}, {known}"
 
 
 def _range(found: Found) -> Iterator[str]:

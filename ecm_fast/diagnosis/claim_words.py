@@ -7,7 +7,7 @@ from ..effects import CATALOGUE
 from ..parameters import find
 from .parts import Claim, Model
 
-__all__ = ["MIRRORS", "meaning", "next_best", "size"]
+__all__ = ["MIRRORS", "alike", "meaning", "next_best", "size"]
 
 MIRRORS = {
     "even": "even (same on both sides)",
@@ -29,8 +29,28 @@ def size(claim: Claim, name: str) -> str:
 
 
 def meaning(claim: Claim) -> str:
-    """Return what an effect is, as the catalogue has it."""
-    return CATALOGUE[claim.name].size.meaning
+    """Return what an effect is, as the catalogue has it for a size above zero."""
+    entry = CATALOGUE[claim.name].size
+    return entry.meaning + ("; below zero: the other way round" if claim.parameters[entry.name] < 0.0 else "")
+
+
+def alike(models: Sequence[Model], names: Sequence[str], claim: Claim) -> str:
+    """Return the look-alikes of a claim with the sizes that they would have, and its own chance; empty for none.
+
+    models, names : all explanations, and what the best of them names
+    """
+    sizes = dict[str, float]()
+    given = [model for model in models if model.in_set and len(model.names) == len(names)]
+    for model in sorted(given, key=lambda model: model.behind):
+        for name, value in zip(model.names, model.sizes, strict=True):
+            sizes.setdefault(name, value)
+    others = [_named(name, sizes.get(name)) for name in claim.look_alikes]
+    return f"{', '.join(others)}; chance of {claim.name} among them {claim.probability:.0%}" if others else ""
+
+
+def _named(name: str, value: float | None) -> str:
+    unit = CATALOGUE[name].size.unit
+    return name if value is None else f"{name} ({value:.3g}{'' if unit == '-' else f' {unit}'})"
 
 
 def next_best(models: Sequence[Model], names: Sequence[str]) -> str:
@@ -47,4 +67,4 @@ def next_best(models: Sequence[Model], names: Sequence[str]) -> str:
     best = min(rest, key=lambda model: model.behind)
     odds = math.exp(min(0.5 * best.behind, math.log(_CERTAIN)))
     number = f"more than {_CERTAIN:.0f}" if odds >= 0.999 * _CERTAIN else f"{odds:.0f}"
-    return f"next best: {' with '.join(best.names)}, 1 : {number}"
+    return f"next best: {' with '.join(best.names)}, {number} times less likely"

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..diagnosis import Diagnosis, Plan
-from ..diagnosis.claim_words import MIRRORS, meaning, next_best
+from ..diagnosis.claim_words import MIRRORS, alike, meaning, next_best
 from ..diagnosis.next_result import NextLoads
 from ..diagnosis.parity import Parity
 from ..diagnosis.problem import DRIFT
@@ -97,8 +97,7 @@ def _first(story: Story, next_loads: NextLoads | None) -> Section:
     for claim in found.effects:
         sentences.append(f"{claim.name}: {meaning(claim)}; {MIRRORS[claim.mirror]}.")
         if claim.look_alikes:
-            others, chance = ", ".join(claim.look_alikes), f"chance of {claim.name} among them {claim.probability:.0%}"
-            sentences.append(f"Not distinguishable from {claim.name} here: {others}; {chance}.")
+            sentences.append(f"Not distinguishable from {claim.name} here: {alike(found.models, found.names, claim)}.")
     behind = next_best(found.models, found.names)
     sentences += [f"{behind[0].upper()}{behind[1:]}."] if behind else []
     if next_loads and next_loads.suggestions:
