@@ -14,6 +14,7 @@ __all__ = [
     "DONE",
     "EXIT_CODES",
     "INTERRUPTED",
+    "IN_OUT",
     "NOT_CONVERGED",
     "UNEXPECTED",
     "Answer",
@@ -44,6 +45,10 @@ class Answer:
     notes: tuple[str, ...] = ()
     code: int = DONE
     after: Callable[[], tuple[str, ...]] | None = None
+
+
+IN_OUT = "folder for files; made where it is missing; default out. Files of the same name in it are replaced"
+"""Help on ``--out`` of commands that write in any case."""
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import argparse
 
-from ._answer import Answer, Command, folder
+from ._answer import IN_OUT, Answer, Command, folder
 from ._arguments import count, mechanism
 from ._streams import note
 
@@ -29,4 +29,6 @@ def _run(args: argparse.Namespace) -> Answer:
     return Answer(answer, str(result), tuple(f"wrote {path}" for path in files))
 
 
-COMMAND = Command("how long a solve takes on this machine, model by model: the paper's Fig. 7", _add_arguments, _run)
+COMMAND = Command(
+    "how long a solve takes on this machine, model by model: the paper's Fig. 7", _add_arguments, _run, IN_OUT
+)

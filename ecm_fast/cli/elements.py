@@ -3,7 +3,7 @@
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from ._answer import Answer, Command, folder
+from ._answer import IN_OUT, Answer, Command, folder
 from ._arguments import finite_number, mechanism
 from ._streams import note
 
@@ -61,4 +61,4 @@ def _text(study: "ElementStudy") -> str:
     return "\n".join([*lines, f"for {study.tolerance:g}: {study.sentence}", *answer(study)])
 
 
-COMMAND = Command("how few elements suffice, and of which kind", _add_arguments, _run)
+COMMAND = Command("how few elements suffice, and of which kind", _add_arguments, _run, IN_OUT)

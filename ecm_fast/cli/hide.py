@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from ..errors import InputError
-from ._answer import Answer, Command, folder
+from ._answer import IN_OUT, Answer, Command, folder
 from ._arguments import count, finite_number, mechanism
 
 __all__ = ["COMMAND"]
@@ -65,4 +65,4 @@ def _run(args: argparse.Namespace) -> Answer:
     return Answer(answer, f"{data.n} rows", (f"wrote {path}", f"wrote {kept}: do not look before you have an answer"))
 
 
-COMMAND = Command("make measurements that hide an effect, and its truth in another file", _add_arguments, _run)
+COMMAND = Command("make measurements that hide an effect, and its truth in another file", _add_arguments, _run, IN_OUT)

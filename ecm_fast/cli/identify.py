@@ -4,7 +4,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ._answer import DONE, NOT_CONVERGED, Answer, Command, folder
+from ._answer import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder
 from ._arguments import add_model, discretization, finite_number, mechanism
 
 if TYPE_CHECKING:
@@ -100,4 +100,4 @@ def _priors(given: list[list[str]]) -> dict[str, tuple[float, float]]:
     return priors
 
 
-COMMAND = Command("find the parameters at which the model meets measurements best", _add_arguments, _run)
+COMMAND = Command("find the parameters at which the model meets measurements best", _add_arguments, _run, IN_OUT)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ._answer import Answer, Command, folder, saved
+from ._answer import IN_OUT, Answer, Command, folder, saved
 from ._arguments import add_model, count, discretization, finite_number, mechanism
 
 if TYPE_CHECKING:
@@ -140,6 +140,8 @@ def _shown(values: Mapping[str, float]) -> str:
 
 
 FIT = Command(
-    "fit the polynomial from pose to wrench to poses of the model or to measurements", _add_fit_arguments, _fit
+    "fit the polynomial from pose to wrench to poses of the model or to measurements", _add_fit_arguments, _fit, IN_OUT
 )
-EVAL = Command("evaluate a fitted polynomial at one pose or at those of a data file", _add_eval_arguments, _eval)
+EVAL = Command(
+    "evaluate a fitted polynomial at one pose or at those of a data file", _add_eval_arguments, _eval, IN_OUT
+)

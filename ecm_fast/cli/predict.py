@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from ._answer import DONE, NOT_CONVERGED, Answer, Command, folder
+from ._answer import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder
 from ._arguments import add_model, add_noise, discretization, measurements, mechanism
 
 if TYPE_CHECKING:
@@ -66,4 +66,4 @@ def _text(rows: int, counts: Mapping[str, int], rms: Mapping[str, float | None])
     return f"{rows} rows: {kinds}\nrms of measured less predicted: {', '.join(parts)}"
 
 
-COMMAND = Command("what the instruments would read for every row of a data file", _add_arguments, _run)
+COMMAND = Command("what the instruments would read for every row of a data file", _add_arguments, _run, IN_OUT)

@@ -2,7 +2,7 @@
 
 import argparse
 
-from ._answer import Answer, Command, folder
+from ._answer import IN_OUT, Answer, Command, folder
 from ._arguments import count
 from ._streams import note
 
@@ -27,4 +27,4 @@ def _run(args: argparse.Namespace) -> Answer:
     return Answer(result.to_json(), text, (f"wrote {folder(out)}",))
 
 
-COMMAND = Command("the paper's tables and figures, and which of its claims hold", _add_arguments, _run)
+COMMAND = Command("the paper's tables and figures, and which of its claims hold", _add_arguments, _run, IN_OUT)
