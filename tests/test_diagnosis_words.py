@@ -77,6 +77,7 @@ def test_what_fails_comes_first_and_what_holds_comes_last() -> None:
         "So does soft_spot (0.8), not refuted by this file. It refutes pulley_radius (4.4)."
     )
     assert "Of the next best, soft_spot (0.8) would. Fit both" in said(replace(shown(7.0), rivals=others))
+    assert "None of the next best would: pulley_radius (4.4). Fit both" in said(replace(shown(7.0), rivals=others[1:]))
     assert "1 more left out as outliers" in said(replace(shown(1.1), left_out=1))
     assert "proves nothing" in said(shown(1.1, before=1.2))
     assert "set aside" in said()

@@ -70,8 +70,11 @@ def _missed(entry: Transfer, names: Sequence[str]) -> str:
     moved = f"With {own} moved within their doubt {entry.adapted:.3g} are left"
     if entry.adapted <= entry.allowed:
         moved = f"{moved}: they are not known well enough to tell, so this refutes nothing yet"
-    meets = [f"{name} ({left:.3g})" for name, left in entry.rivals if left <= entry.allowed]
-    others = f" Of the next best, {' and '.join(meets)} would." if meets else ""
+    rivals = [f"{name} ({left:.3g})" for name, left in entry.rivals]
+    meets = [said for said, (_, left) in zip(rivals, entry.rivals, strict=True) if left <= entry.allowed]
+    others = f" None of the next best would: {', '.join(rivals)}." if rivals else ""
+    if meets:
+        others = f" Of the next best, {' and '.join(meets)} would."
     return (f"{what} does NOT carry over to {_short(entry)}: {entry.after.sigma:.3g} times the noise is left"
             f"{without}, where about 1 is expected and {entry.allowed:.3g} allowed. {moved}.{others} "
             f"Fit both: give this file as data beside the other.")  # fmt: skip
