@@ -30,6 +30,7 @@ _LEAST_GAIN = 1e-6
 _HOPE = 3.0
 """Explanations that all the time on the best load leaves closer than this are one for the search."""
 _LONGER = (2, 4, 8, 16, 32)
+"""Times the time there is that are tried where it will not do."""
 
 
 class Race:
