@@ -315,6 +315,7 @@ def rates(scores: list[Graded]) -> dict[str, str]:
     near = [entry.grade for entry in one if 4.0 <= entry.least("apart") < 8.0]
     alone = [entry.grade for entry in two if entry.least("sigmas") >= 6.0]
     seen = [entry for entry in two if min(entry.least("sigmas"), entry.least("beside")) >= 6.0]
+    large = [entry for entry in claims if entry.least("sigmas") >= 8.0]
     open_gaps = [entry for entry in claims if entry.told.get("gap", 0.0) >= VISIBLE]
     return {
         "false alarm on clean data": share(grade.false_alarm for grade in clean),
@@ -336,6 +337,9 @@ def rates(scores: list[Graded]) -> dict[str, str]:
             (entry.grade.gap_closed for entry in claims), 50, 5
         ),
         "the same against the poses without noise": level((entry.told.get("closed") for entry in claims), 50, 5),
+        "the same, where the effect stands out by 8 sigma or more": level(
+            (entry.told.get("closed") for entry in large), 50, 5
+        ),
         "the same, where that gap is 3 sigma or more": level((entry.told.get("closed") for entry in open_gaps), 50, 5),
         "and so, were the hidden name the only one in the catalogue": level(
             (entry.told.get("most") for entry in open_gaps), 50, 5
