@@ -24,8 +24,7 @@ _CERTAIN = 1e4
 def size(claim: Claim, name: str) -> str:
     """Return one parameter of a claim with unit and interval."""
     low, high = claim.interval[name]
-    unit = find(name).unit
-    return f"{name} = {claim.parameters[name]:.3g}{'' if unit == '-' else f' {unit}'} (90 %: {low:.3g} to {high:.3g})"
+    return f"{name} = {_in_unit(claim.parameters[name], find(name).unit)} (90 %: {low:.3g} to {high:.3g})"
 
 
 def meaning(claim: Claim) -> str:
@@ -49,8 +48,11 @@ def alike(models: Sequence[Model], names: Sequence[str], claim: Claim) -> str:
 
 
 def _named(name: str, value: float | None) -> str:
-    unit = CATALOGUE[name].size.unit
-    return name if value is None else f"{name} ({value:.3g}{'' if unit == '-' else f' {unit}'})"
+    return name if value is None else f"{name} ({_in_unit(value, CATALOGUE[name].size.unit)})"
+
+
+def _in_unit(value: float, unit: str) -> str:
+    return f"{value:.3g}" if unit == "-" else f"{value:.3g} {unit}"
 
 
 def next_best(models: Sequence[Model], names: Sequence[str]) -> str:

@@ -154,7 +154,7 @@ def onward(
     if admissible and not any(gate.alarm for gate in own):
         return Found(baseline, view, null, found, gates, 1, False, ())
     if max_effects >= 2:
-        begin = further.starts(view, _least(float(view.rest[2].singles()[0].max())))
+        begin = further.starts(view, _least(float(view.rest[2].singles()[0].max(initial=-np.inf))))
         both, null2, pairs = _pairs(problem, _looked_at(start, begin), _looked_at(view, begin), noise, fits)
         found[2] = pairs
         alone = _alone(both, pairs)
