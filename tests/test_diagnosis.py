@@ -310,6 +310,7 @@ def test_the_road_by_command_line(tmp_path, capsys, bent):
 def test_hostile_questions_are_answered_in_one_line(bent):
     for options, text in (
         ({"candidates": ["precurvatur"]}, "did you mean 'precurvature'"),
+        ({"candidates": []}, "give at least one effect"),
         ({"uncertain": {"lever_am": 1e-3}}, "lever_am"),
         ({"uncertain": {"lever_arm": -1e-3}}, "allowed is a number > 0"),
         ({"priors": {"GA": (2400.0, 0.0)}}, "allowed is a number > 0"),

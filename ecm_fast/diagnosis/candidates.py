@@ -73,9 +73,11 @@ def chosen(names: Iterable[str] | None, mechanism: Mechanism) -> list[Candidate]
 
     Raises
     ------
-    InputError : the catalogue has no such name.
+    InputError : the catalogue has no such name, or none is given.
     """
     wanted = list(CATALOGUE if names is None else names)
+    if names is not None and not wanted:
+        raise InputError("0 candidates: give at least one effect, or leave them out for the whole catalogue")
     for name in wanted:
         if name not in CATALOGUE:
             raise InputError(f"candidate {name!r}: no such effect{did_you_mean(str(name), CATALOGUE)}")
