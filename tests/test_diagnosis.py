@@ -222,6 +222,17 @@ def test_a_stop_beside_a_larger_effect_is_found_at_the_angle_where_it_is():
     assert low < 0.33 < high < 0.35
 
 
+def test_a_second_effect_that_the_evidence_is_for_is_named_though_no_test_asks_for_it():
+    hidden = {"clamp_lateral_compliance": 5e-6, "force_crosstalk": 0.015}
+    data, _ = hide(effects=hidden, design="T+S", noise="force", seed=1)
+    found = diagnose(NECK, data, priors={"EA": (7500.0, 75.0), "GA": (2420.0, 17.0), "EI": (3.0, 0.01)})
+    assert not any(gate.alarm for gate in found.gates if gate.stage == 1)
+    assert found.names == tuple(hidden)
+    for claim, (name, size) in zip(found.effects, hidden.items(), strict=True):
+        low, high = claim.interval[name]
+        assert low < size < high
+
+
 def test_two_rows_that_a_stop_moves_are_no_outliers_wherever_it_is():
     """Two of the open rows bend further to its side than the angle, which nobody expects there."""
     stop = {"effects.contact_stop_one_sided.stiffness": 8.0, "effects.contact_stop_one_sided.angle": 0.36}

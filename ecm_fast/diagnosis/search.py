@@ -31,7 +31,7 @@ _ROUGH = 0.3
 """Share of the best evidence by which the linear ranking may be wrong."""
 _PASSES = 3
 _WORTH = 9.2
-"""Evidence that a second name must add."""
+"""Evidence that a second name must add, whether or not a test still sees something beside the first."""
 _SPEAKS = 2.0
 _HOPELESS = 100.0
 _AGAIN, _GAIN = 3, 0.5
@@ -144,6 +144,9 @@ def onward(
 ) -> Found:
     """Go on from the single effects: one is enough, two are needed, or none will do.
 
+    Two are tried where a test sees more than one explains, and where none does but the evidence is for two: as the
+    better part of two a wrong name may pass all tests.
+
     The search began at `start`, the baseline with further parameters of effects where they begin.
     """
     problem, noise, values = baseline.problem, baseline.noise, baseline.values
@@ -151,31 +154,41 @@ def onward(
     found: dict[int, list[Fit]] = {1: fits}
     gates = (*gates, *own)
     admissible = _admissible(fits, null, view)
-    if admissible and not any(gate.alarm for gate in own):
-        return Found(baseline, view, null, found, gates, 1, False, ())
+    one = Found(baseline, view, null, found, gates, 1, False, ())
+    quiet = admissible and not any(gate.alarm for gate in own)
+    if quiet and (max_effects < 2 or _second(view) <= _WORTH):
+        return one
     if max_effects >= 2:
         begin = further.starts(view, _least(float(view.rest[2].singles()[0].max(initial=-np.inf))))
         both, null2, pairs = _pairs(problem, _looked_at(start, begin), _looked_at(view, begin), noise, fits)
         found[2] = pairs
-        alone = _alone(both, pairs)
+        alone = _alone(both, pairs, fits[:1] if quiet else [])
         single = max((fit.evidence for fit in alone), default=null2.evidence)
         if pairs and not refused(pairs[0], both) and pairs[0].evidence - single > _WORTH:
             (both, null2, pairs), last = _tested((both, null2, pairs), alpha, seed)
             found[2], gates = pairs, (*gates, *last)
-            if any(gate.alarm for gate in last) or not _admissible(pairs, null2, both):
+            if _admissible(pairs, null2, both) and not any(gate.alarm for gate in last):
+                return Found(baseline, both, null2, found, gates, 2, False, ())
+            if not quiet:
                 return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), both)
-            return Found(baseline, both, null2, found, gates, 2, False, ())
-        if alone and alone[0].evidence - null2.evidence > _SPEAKS and alone[0].model != fits[0].model:
+        elif not quiet and alone and alone[0].evidence - null2.evidence > _SPEAKS and alone[0].model != fits[0].model:
             known = {fit.model: fit for fit in (*fits, *alone)}
             (view, null, fits), own = _tested(_singles(problem, start, noise, both, known), alpha, seed)
             found, admissible, gates = {1: fits}, _admissible(fits, null, view), (*gates, *own)
             if admissible and not any(gate.alarm for gate in own):
                 return Found(baseline, view, null, found, gates, 1, False, ())
+    if quiet:
+        return one
     outside = not admissible or any(gate.alarm for gate in own)
     doubt = "the tests see a little more than this, but nothing that a second name would explain"
     if outside:
         return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), view)
     return Found(baseline, view, null, found, gates, 1, False, (doubt,))
+
+
+def _second(view: View) -> float:
+    """Return the evidence, on the linear model, that the best two effects have more than the best one."""
+    return float(view.gram.pairs().evidence.max(initial=-np.inf) - view.gram.singles()[0].max(initial=-np.inf))
 
 
 def _tested(found: Fits, alpha: float, seed: int) -> tuple[Fits, tuple[Gate, ...]]:
@@ -197,12 +210,13 @@ def _admissible(fits: list[Fit], null: Fit, view: View) -> bool:
     return bool(fits) and not refused(fits[0], view) and fits[0].evidence - null.evidence > _SPEAKS
 
 
-def _alone(view: View, pairs: list[Fit]) -> list[Fit]:
-    """Return the fits with one effect of the best pair alone, the best first."""
+def _alone(view: View, pairs: list[Fit], others: list[Fit]) -> list[Fit]:
+    """Return the fits with one effect of the best pair alone, and those of others again, the best first."""
     if not pairs:
         return []
-    start = pairs[0].by_key()
-    return [fit for fit in _ranked([refit(view, (i,), start) for i in pairs[0].model], view) if not refused(fit, view)]
+    starts = {(i,): pairs[0] for i in pairs[0].model} | {fit.model: fit for fit in others}
+    fits = [refit(view, model, fit.by_key()) for model, fit in starts.items()]
+    return [fit for fit in _ranked(fits, view) if not refused(fit, view)]
 
 
 def _singles(
