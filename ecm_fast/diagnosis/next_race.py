@@ -29,6 +29,8 @@ _LARGEST = 1e8
 _LEAST_GAIN = 1e-6
 _HOPE = 3.0
 """Explanations that all the time on the best load leaves closer than this are one for the search."""
+_RIGID = 1e3
+"""Times stiffer than another one: nothing can be told from rigid there, and a fit that begins there stays."""
 _LONGER = (2, 4, 8, 16, 32)
 """Times the time there is that are tried where it will not do."""
 
@@ -58,7 +60,7 @@ class Race:
         self.blank = pool.data
         self.options = [_at(rival.mechanism, (), [self.blank]) for rival in rivals]
         self.feasible = np.logical_and.reduce([state.stable for state in self.options])
-        self.adapted = [self.rivals[j].mechanism.replace(**_stiffness(rivals[i].mechanism)) for i, j in self.pairs]
+        self.adapted = [self.rivals[j].mechanism.replace(**_stiffness(rivals[i], rivals[j])) for i, j in self.pairs]
         self.terms = [self._terms(pair) for pair in range(len(self.pairs))]
         self.open = np.ones(len(self.pairs), dtype=bool)
 
@@ -192,8 +194,11 @@ def _notes(rivals: Sequence[Rival]) -> tuple[str, ...]:
     return (f"{', '.join(dict.fromkeys(paths))}: what came before counts; the promise is for a load as the next one",)
 
 
-def _stiffness(mechanism: Mechanism) -> dict[str, float]:
-    return {name: float(pack(mechanism)[index(name)]) for name in STIFFNESSES}
+def _stiffness(true: Rival, rival: Rival) -> dict[str, float]:
+    """Return stiffnesses from which the rival adapts: the true one's, its own where those ran away as good as rigid."""
+    there, own = pack(true.mechanism), pack(rival.mechanism)
+    known = {name: (float(there[index(name)]), float(own[index(name)])) for name in STIFFNESSES}
+    return {name: other if value > _RIGID * other else value for name, (value, other) in known.items()}
 
 
 def _at(mechanism: Mechanism, free: tuple[str, ...], data: Sequence[Measurements]) -> State:
