@@ -228,6 +228,7 @@ def test_a_second_effect_that_the_evidence_is_for_is_named_though_no_test_asks_f
     found = diagnose(NECK, data, priors={"EA": (7500.0, 75.0), "GA": (2420.0, 17.0), "EI": (3.0, 0.01)})
     assert not any(gate.alarm for gate in found.gates if gate.stage == 1)
     assert found.names == tuple(hidden)
+    assert any("clamp_lateral_compliance alone passes the tests, too" in line for line in found.warnings)
     for claim, (name, size) in zip(found.effects, hidden.items(), strict=True):
         low, high = claim.interval[name]
         assert low < size < high

@@ -12,6 +12,7 @@ from ecm_fast.cli import _streams, main
 from ecm_fast.diagnosis import Study, many
 from ecm_fast.diagnosis.claims import claims
 from ecm_fast.diagnosis.search import search
+from ecm_fast.hiding import hide
 from ecm_fast.identification_rows import FitRows
 from ecm_fast.testbed import Sensors, in_sequence, measure, shear_test, tendon_test
 
@@ -59,6 +60,19 @@ def test_an_effect_that_only_all_rows_show_is_found_and_clean_rows_raise_no_alar
     answer, every = diagnose(NECK, data), claims(search(problem, 0.01, 2, 0))
     assert [claim.name for claim in answer.effects] == [claim.name for claim in every] != []
     assert answer.effects[0].look_alikes == every[0].look_alikes
+
+
+def test_a_second_effect_that_the_evidence_of_all_rows_is_for_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A share of the rows shows the larger of two effects, which passes the tests of all rows alone."""
+    hidden = {"clamp_lateral_compliance": 5e-6, "force_crosstalk": 0.015}
+    data, _ = hide(effects=hidden, design="T+S", noise="force", seed=1)
+    priors = {"EA": (7500.0, 75.0), "GA": (2420.0, 17.0), "EI": (3.0, 0.01)}
+    monkeypatch.setattr(many, "ENOUGH", 30)
+    problem = Study(NECK, data, priors=priors).problem()
+    assert search(problem.by(many.evenly(problem, 30)), 0.01, 2, 0).effects == 1
+    found = diagnose(NECK, data, priors=priors)
+    assert not any(gate.alarm for gate in found.gates if gate.stage == 1)
+    assert found.names == tuple(hidden)
 
 
 def test_the_share_keeps_small_experiments_whole_and_the_others_even() -> None:

@@ -1,10 +1,10 @@
 """A claim in words: its size with unit and meaning, its mirror class, and how far the next explanation is behind."""
 
-import math
 from collections.abc import Sequence
 
 from ..effects import CATALOGUE
 from ..parameters import find
+from .doubts import odds
 from .parts import Claim, Model
 
 __all__ = ["MIRRORS", "alike", "meaning", "next_best", "size"]
@@ -16,9 +16,6 @@ MIRRORS = {
     "path": "history (depends on what came before)",
 }
 """Mirror classes in words."""
-
-_CERTAIN = 1e4
-"""Odds beyond which their number says nothing more."""
 
 
 def size(claim: Claim, name: str) -> str:
@@ -56,10 +53,7 @@ def _in_unit(value: float, unit: str) -> str:
 
 
 def next_best(models: Sequence[Model], names: Sequence[str]) -> str:
-    """Return the best explanation that is none of a look-alike set, with its odds; empty where no other was fitted.
-
-    The odds are those of the evidence: explanations are equally likely before the data speak.
-    """
+    """Return the best explanation that is none of a look-alike set, with its odds; empty where no other was fitted."""
     others = [model for model in models if len(model.names) == len(names) and not model.in_set]
     rest = [model for model in others if not model.refused]
     if not names or not others:
@@ -67,6 +61,4 @@ def next_best(models: Sequence[Model], names: Sequence[str]) -> str:
     if not rest:
         return "next best: none of the others that were fitted can be meant"
     best = min(rest, key=lambda model: model.behind)
-    odds = math.exp(min(0.5 * best.behind, math.log(_CERTAIN)))
-    number = f"more than {_CERTAIN:.0f}" if odds >= 0.999 * _CERTAIN else f"{odds:.0f}"
-    return f"next best: {' with '.join(best.names)}, {number} times less likely"
+    return f"next best: {' with '.join(best.names)}, {odds(best.behind)} times less likely"

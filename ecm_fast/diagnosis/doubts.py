@@ -1,16 +1,30 @@
-"""Stiffnesses that the data hardly fix, or that they move far from the mechanism file."""
+"""What to know beside an answer: stiffnesses in doubt, and a second name that no test asks for."""
 
+import math
 from collections.abc import Container, Iterator, Mapping
 
 from ..identification_result import Estimate
 from ..mechanism import Mechanism
 
-__all__ = ["stiffness_doubts"]
+__all__ = ["odds", "stiffness_doubts", "unasked_doubt"]
 
+_CERTAIN = 1e4
+"""Odds beyond which their number says nothing more."""
 _LOOSE = 0.15
 """Standard deviation, in shares of the value, beyond which a stiffness is hardly fixed."""
 _FAR, _MUCH = 5.0, 0.03
 """Standard deviations, and shares of the value, by which a stiffness may leave the mechanism file."""
+
+
+def odds(evidence: float) -> str:
+    """Return the odds of what has so much more evidence, of explanations equally likely before the data speak."""
+    times = math.exp(min(0.5 * evidence, math.log(_CERTAIN)))
+    return f"more than {_CERTAIN:.0f}" if times >= 0.999 * _CERTAIN else f"{times:.0f}"
+
+
+def unasked_doubt(name: str, evidence: float) -> str:
+    """Return a line where one effect alone passes the tests, though two have so much more evidence."""
+    return f"{name} alone passes the tests, too; that there are two effects is {odds(evidence)} times as likely"
 
 
 def stiffness_doubts(

@@ -22,6 +22,7 @@ from .search import (
     Found,
     _fitted,
     _pairs,
+    _second,
     _tested,
     onward,
     refused,
@@ -82,15 +83,22 @@ def _confirmed(
     problem: Problem, few: Found, baseline: View, gates: tuple[Gate, ...], alpha: float, max_effects: int, seed: int
 ) -> Found:
     """Return what all rows say of the explanations that a share of them leaves."""
-    near = _near(few.fits[few.effects], few.view, LIMITS[few.effects])
-    found = _to_all(problem, baseline, few, near)
+    singles = _near(few.fits[1], few.view, LIMITS[1])
     if few.effects == 2:
-        return _of_two(baseline, gates, found, (), alpha, seed)
+        near = _near(few.fits[2], few.view, LIMITS[2])
+        two = _of_two(baseline, gates, _to_all(problem, baseline, few, near), singles[:1], alpha, seed)
+        if two.effects or not singles:
+            return two
+        one = onward(baseline, baseline, gates, _to_all(problem, baseline, few, singles), alpha, 1, seed)
+        return one if one.effects else two
+    found = _to_all(problem, baseline, few, singles)
     one = onward(baseline, baseline, gates, found, alpha, 1, seed)
-    pairs = _pairs_of(few, found) if not one.effects and max_effects > 1 and found[2] else []
+    asked = max_effects > 1 and found[2] and (not one.effects or _second(found[0]) > _WORTH)
+    pairs = _pairs_of(few, found) if asked else []
     if not pairs:
         return one
-    return _of_two(baseline, one.gates, _to_all(problem, baseline, few, pairs), found[2][:1], alpha, seed)
+    two = _of_two(baseline, one.gates, _to_all(problem, baseline, few, pairs), found[2][:1], alpha, seed)
+    return two if two.effects or not one.effects else one
 
 
 def _near(fits: Sequence[Fit], view: View, limit: float) -> list[Fit]:

@@ -10,6 +10,7 @@ from ..identification_rows import Noise
 from . import further
 from .astray import louder_than_declared, on_more_than_a_row
 from .calibration import calibrate
+from .doubts import unasked_doubt
 from .problem import Problem
 from .refit import Fit, refit
 from .result import Gate, Model
@@ -164,11 +165,13 @@ def onward(
         found[2] = pairs
         alone = _alone(both, pairs, fits[:1] if quiet else [])
         single = max((fit.evidence for fit in alone), default=null2.evidence)
-        if pairs and not refused(pairs[0], both) and pairs[0].evidence - single > _WORTH:
+        gain = pairs[0].evidence - single if pairs else 0.0
+        if gain > _WORTH and not refused(pairs[0], both):
             (both, null2, pairs), last = _tested((both, null2, pairs), alpha, seed)
             found[2], gates = pairs, (*gates, *last)
             if _admissible(pairs, null2, both) and not any(gate.alarm for gate in last):
-                return Found(baseline, both, null2, found, gates, 2, False, ())
+                doubts = (unasked_doubt(one.names(fits[0])[0], gain),) if quiet else ()
+                return Found(baseline, both, null2, found, gates, 2, False, doubts)
             if not quiet:
                 return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), both)
         elif not quiet and alone and alone[0].evidence - null2.evidence > _SPEAKS and alone[0].model != fits[0].model:
