@@ -337,11 +337,14 @@ def rates(scores: list[Graded]) -> dict[str, str]:
             (entry.grade.gap_closed for entry in claims), 50, 5
         ),
         "the same against the poses without noise": level((entry.told.get("closed") for entry in claims), 50, 5),
+        "and so, were the hidden name the only one in the catalogue": level(
+            (entry.told.get("most") for entry in claims), 50, 5
+        ),
         "the same, where the effect stands out by 8 sigma or more": level(
             (entry.told.get("closed") for entry in large), 50, 5
         ),
         "the same, where that gap is 3 sigma or more": level((entry.told.get("closed") for entry in open_gaps), 50, 5),
-        "and so, were the hidden name the only one in the catalogue": level(
+        "there, were the hidden name the only one in the catalogue": level(
             (entry.told.get("most") for entry in open_gaps), 50, 5
         ),
         "interval of the size holds the truth": share(_size_covered(entry.grade for entry in one)),
