@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .data_columns import COLUMNS, column_of, match
 from .data_files import Table, read_table, table_of
-from .errors import InputError
+from .errors import InputError, did_you_mean
 from .files import csv_text, write_whole
 
 __all__ = ["Measurements", "read_measurements"]
@@ -146,8 +146,11 @@ class Measurements:
         for name, value in noise.items():
             try:
                 column, unit = column_of(f"sigma_{name}")
-            except InputError as error:
-                raise InputError(f"noise of {name}: {error}") from None
+            except InputError:
+                known = [each.removeprefix("sigma_") for column in COLUMNS.values() for each in column.names
+                         if column.name.startswith("sigma_")]  # fmt: skip
+                hint = did_you_mean(name, known)
+                raise InputError(f"noise of {name}{hint}: allowed are {', '.join(known)}") from None
             if not 0.0 < value < math.inf:
                 raise InputError(f"noise of {name} = {value!r}: allowed is a number > 0")
             own = getattr(self, column.name)

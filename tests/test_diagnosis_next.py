@@ -88,6 +88,9 @@ def test_the_nearest_that_can_be_meant_come_into_question() -> None:
     alike = in_question([model("a", 0.0, in_set=True), model("b", 2.0, in_set=True), *far])
     assert alike == ([("a",), ("b",)], False)
     assert in_question([]) == ([], False)
+    two = {"names": ["a", "b"], "behind": 0.0, "in_set": True, "refused": ""}
+    other = {**two, "names": ["a", "c"], "behind": 12.0, "in_set": False}
+    assert in_question([two, other, model("a", 0.0, in_set=True)]) == ([("a", "b"), ("a", "c")], True)
     refuted = [{"rivals": [{"name": "b", "carries_over": False}, {"name": "c", "carries_over": True}]}]
     left = in_question([model("a", 0.0, in_set=True), model("b", 2.0, in_set=True), *far], refuted)
     assert left == ([("a",), ("c",), ("d",), ("e",)], True)
@@ -164,8 +167,15 @@ def test_what_cannot_be_told_apart_by_any_load_is_said() -> None:
     twins = [Rival((name,), NECK, FREE) for name in ("one", "other")]
     chosen = next_loads(twins, [LOADS_MEASURED])
     assert chosen.suggestions == ()
-    assert "no load of the pool" in repr(chosen)
+    assert "no load that fits into the time tells them apart" in repr(chosen)
     assert chosen.to_json_dict()["sigma_after"] == 0.0
+
+
+def test_explanations_that_are_far_apart_need_no_load(rivals) -> None:
+    chosen = next_loads(rivals, [LOADS_MEASURED], sigma=(1e-6, 1e-6, 1e-5))
+    assert chosen.suggestions == ()
+    assert chosen.worst_before > 8.0
+    assert "none is needed" in repr(chosen)
 
 
 @pytest.mark.parametrize(

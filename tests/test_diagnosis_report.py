@@ -143,7 +143,7 @@ def test_a_name_alone_is_checked_against_its_nearest_rivals(done, capsys, tmp_pa
     (tmp_path / "diagnose.json").write_text(json.dumps(result), encoding="utf-8")
     assert main(["next", str(tmp_path), "--minutes", "4", "--add-ons", "wrench"]) == 0
     first, *rest = (model["names"][0] for model in single[:3])
-    assert capsys.readouterr().out.startswith(f"to check {first} against its nearest rivals: {', '.join(rest)}\n")
+    assert capsys.readouterr().out.startswith(f"to check {first} against its nearest rivals: {'; '.join(rest)}\n")
 
 
 def test_a_page_that_fails_loses_nothing(done, capsys, monkeypatch, tmp_path) -> None:

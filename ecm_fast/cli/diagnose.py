@@ -118,12 +118,13 @@ def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
     for part in tests:
         check(neck, part)  # a sign or a unit that is wrong there would look like an effect that does not carry over
     found = diagnose(neck, **common, test=tests, progress=waiting)
+    said = found.to_json_dict()
     path = folder(args.out or "out") / "mechanism.toml"
     found.mechanism.to_toml(path)
     waiting("what to measure next")
-    further, page = _next(neck, found, common), _page_path(args)
+    further, page = _next(neck, said, common), _page_path(args)
     answer = {
-        **found.to_json_dict(),
+        **said,
         "mechanism": str(path),
         "report": None if page is None else str(page),
         "next": [entry.to_json_dict() for entry in further.suggestions] if further else [],
@@ -163,16 +164,16 @@ def _page_path(args: argparse.Namespace) -> Path | None:
     return None if args.out is None else folder(args.out) / "diagnosis.html"
 
 
-def _next(neck: "Mechanism", found: "Diagnosis", common: dict[str, Any]) -> "NextLoads | None":
-    """Return what would split the look-alikes, None where there are none."""
-    from ..diagnosis.next_loads import next_loads, rivals_of
+def _next(neck: "Mechanism", said: dict[str, Any], common: dict[str, Any]) -> "NextLoads | None":
+    """Return what would split the look-alikes that are in question, None where there are none."""
+    from ..diagnosis.next_loads import in_question, next_loads, rivals_of
 
-    sets = [model.names for model in found.models if model.in_set]
-    known = {"priors": common["priors"], "force_sigma": found.noise.force}
-    rivals = rivals_of(neck, common["data"], sets, **known) if len(sets) > 1 else []
+    sets, alone = in_question(said["models"], said["transfer"])
+    known = {"priors": common["priors"], "force_sigma": said["noise"]["force"]}
+    rivals = [] if alone else rivals_of(neck, common["data"], sets, **known)
     if len(rivals) < 2:
         return None
-    sigma = [value if value > 0.0 else usual for value, usual in zip(found.noise.sigma, _USUAL_NOISE, strict=True)]
+    sigma = [value or usual for value, usual in zip(said["noise"]["sigma"], _USUAL_NOISE, strict=True)]
     return next_loads(rivals, common["data"], sigma=sigma, **known)
 
 
@@ -218,10 +219,10 @@ def _text(found: "Diagnosis") -> str:
     lines += [f"  {text}" for text in [next_best(found.models, found.names)] if text]
     lines += [f"{name} {estimate}" for name, estimate in found.calibration.items()]
     if found.gap:
-        words = {"before": f"before ({', '.join(found.calibration)} fitted alone)", "after": "after", "floor": "floor"}
-        for name, said in words.items():
-            rms = getattr(found.gap, name)
-            lines.append(f"{found.gap.rows} rows set aside, {said}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
+        words = {"before": f"before ({', '.join(found.calibration)} fitted alone)", "floor": "floor, the noise as seen"}
+        for name in ("before", "after", "floor") if found.effects else ("before", "floor"):
+            rms, what = getattr(found.gap, name), words.get(name, name)
+            lines.append(f"{found.gap.rows} rows set aside, {what}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
                          f"theta {1e3 * rms.theta:.3g} mrad, {rms.sigma:.3g} sigma")  # fmt: skip
     for gap in found.transfer:
         lines.append(f"never fitted, {gap.what}: {gap.before.sigma:.3g} sigma before, {gap.after.sigma:.3g} after; "
@@ -255,7 +256,8 @@ DIAGNOSE = Command(
     "find which effect the model is missing, with its look-alikes and the proof",
     _add_diagnose,
     _diagnose,
-    "folder for mechanism.toml (the neck with what was found), diagnose.json (for next) and the page diagnosis.html; "
-    "made where it is missing; without it only out/mechanism.toml is written",
+    "folder for mechanism.toml (the neck with what was found), diagnose.json (for next) and the page diagnosis.html "
+    "with the numbers of its pictures, a CSV file each; made where it is missing; without it only out/mechanism.toml "
+    "is written",
 )
 PLAN = Command("say which effects loads can show, before anything is measured", _add_common, _plan)

@@ -78,8 +78,8 @@ def _read(path: str) -> dict[str, Any]:
 
 def _text(found: "NextLoads", alone: bool) -> str:
     first, *rest = found.names
-    aim = f"to check {first} against its nearest rivals: {', '.join(rest)}"
-    lines = [aim if alone else f"to tell apart: {', '.join(found.names)}",
+    aim = f"to check {first} against its nearest rivals: {'; '.join(rest)}"
+    lines = [aim if alone else f"to tell apart: {'; '.join(found.names)}",
              f"now at least {found.worst_before:.1f} sigma apart"]  # fmt: skip
     for i, entry in enumerate(found.suggestions, start=1):
         loads = ", ".join(f"{name} {value:g}" for name, value in entry.loads.items())
@@ -87,7 +87,7 @@ def _text(found: "NextLoads", alone: bool) -> str:
         lines.append(f"{i}. {entry.repeats} x ({loads}){mount}; {entry.minutes:.1f} min; "
                      f"then {entry.promised_sigma:.1f} sigma")  # fmt: skip
     if not found.suggestions:
-        lines.append("no load that fits into the time tells them apart")
+        lines.append(found.why_none)
     lines += [f"one load with {name}: {sigma:.1f} sigma" for name, sigma in found.alone.items()]
     return "\n".join(lines)
 

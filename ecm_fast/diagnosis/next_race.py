@@ -16,7 +16,7 @@ from ..identification import identify
 from ..identification_rows import DECLARED, FitRows, FitSet, Noise, State
 from ..mechanism import Mechanism
 from ..parameters import find, index, pack
-from .next_result import NextLoads, Suggestion
+from .next_result import ENOUGH, NextLoads, Suggestion
 from .pool import Pool
 from .rivals import STIFFNESSES, Rival
 
@@ -24,7 +24,6 @@ __all__ = ["Race"]
 
 Array = NDArray[np.float64]
 
-_ENOUGH = 8.0
 _LARGEST = 1e8
 _LEAST_GAIN = 1e-6
 _HOPE = 3.0
@@ -116,7 +115,7 @@ class Race:
         apart = np.sqrt(self.then(repeats)[self.open].min(axis=0, initial=_LARGEST))
         alone = {name: float(apart[(own == name) & self.feasible].max(initial=0.0)) for name in dict.fromkeys(own)}
         mounted, spent, taken, now = {"nothing"}, 0.0, list[int](), before
-        while self.open.any() and now[self.open].min() < _ENOUGH**2:
+        while self.open.any() and now[self.open].min() < ENOUGH**2:
             cost = np.array([self.pool.minutes(i, mounted, repeats) for i in range(len(own))])
             allowed = self.feasible & (cost <= minutes - spent)
             gain = (_confusion(now[self.open, None]) - _confusion(self.then(repeats)[self.open])) / cost

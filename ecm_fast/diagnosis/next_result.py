@@ -7,9 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["NextLoads", "Suggestion"]
+__all__ = ["ENOUGH", "NextLoads", "Suggestion"]
 
 Array = NDArray[np.float64]
+
+ENOUGH = 8.0
+"""Sigmas from which on two explanations count as told apart."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +92,13 @@ class NextLoads:
         return 0.0 if left_out.all() else float(distances[~left_out].min())
 
     @property
+    def why_none(self) -> str:
+        """Why no load is suggested, where none is."""
+        if self.worst_before >= ENOUGH:
+            return f"none is needed: {ENOUGH:g} sigma are enough"
+        return "no load that fits into the time tells them apart"
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """What to know, in sentences: twins first."""
         twins = [f"no load here tells {one} from {other} in this time" for one, other in self.twins]
@@ -111,7 +121,7 @@ class NextLoads:
         yield f"<NextLoads to tell apart {', '.join(self.names)}: {self.worst_before:.1f} sigma now"
         yield from (f"  {entry!r}" for entry in self.suggestions)
         if not self.suggestions:
-            yield "  no load of the pool tells them apart"
+            yield f"  {self.why_none}"
         yield from (f"  {text}" for text in self.remarks)
 
     def __repr__(self) -> str:

@@ -88,9 +88,8 @@ def rivals_of(
     priors: Mapping[str, tuple[float, float]] | None = None,
     force_sigma: float | None = None,
 ) -> list[Rival]:
-    """Return the first few explanations of a look-alike set, those of as many effects as the first one has."""
-    alike = [names for names in sets if len(names) == len(sets[0])]
-    return fitted_rivals(mechanism, data, alike[:_MOST], priors=priors, force_sigma=force_sigma)
+    """Return the first few explanations of a look-alike set, see `in_question`."""
+    return fitted_rivals(mechanism, data, sets[:_MOST], priors=priors, force_sigma=force_sigma)
 
 
 def in_question(
@@ -99,13 +98,15 @@ def in_question(
     """Return explanations that further loads have to tell apart, and whether that is the first one from the others.
 
     Where data leave one alone, the nearest ones that can be meant check it. `models` and `transfer` are those of a
-    diagnosis's JSON; what an experiment that was never fitted refutes is out of the question.
+    diagnosis's JSON. Explanations by another number of effects than the first one's are out of the question, and so is
+    what an experiment that was never fitted refutes.
     """
     out = {entry["name"] for part in transfer for entry in part.get("rivals", ()) if not entry["carries_over"]}
+    models = [model for model in models if len(model["names"]) == len(models[0]["names"])]
     models = [model for model in models if " with ".join(model["names"]) not in out]
     found = [tuple(model["names"]) for model in models if model["in_set"]]
     if len(found) != 1:
         return found, False
-    others = [model for model in models if len(model["names"]) == len(found[0]) and tuple(model["names"]) != found[0]]
+    others = [model for model in models if tuple(model["names"]) != found[0]]
     meant = sorted((model for model in others if not model["refused"]), key=lambda model: float(model["behind"]))
     return [*found, *(tuple(model["names"]) for model in meant[:_NEAREST])], True

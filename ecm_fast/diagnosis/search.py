@@ -104,7 +104,7 @@ class Found:
             behind = best - fit.evidence
             sizes = tuple(fit.by_key()[candidates[i].keys[0]] for i in fit.model)
             names = self.names(fit)
-            inside = not reason and behind < LIMITS[size]
+            inside = size == (self.effects or size) and not reason and behind < LIMITS[size]
             yield Model(
                 names, sizes, fit.evidence - self.null.evidence, self.null.total - fit.total, behind, inside, reason
             )

@@ -25,7 +25,7 @@ _NAMES = 12
 _GATES = {"effects": "any effect of the catalogue", "smooth": "smooth patterns over loads and time"}
 _ADDED = ("nothing added", "one effect added", "two effects added", "three effects added")
 _TITLES = {
-    "named": "One explanation",
+    "named": "What the data ask for",
     "family": "A set of explanations that these data cannot tell apart",
     "outside_catalogue": "Something that the catalogue does not explain",
     "nothing_found": "No missing effect was found",

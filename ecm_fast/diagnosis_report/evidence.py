@@ -85,7 +85,8 @@ def evidence_bars(story: Story) -> Picture | None:
         axes.set_xlabel("evidence: twice the logarithm over that of no effect")
     columns: dict[str, Any] = {
         "names": [" and ".join(model.names) for model in models],
-        **{name: [getattr(model, name) for model in models] for name in ("evidence", "behind", "chi2", "in_set")},
+        **{name: [getattr(model, name) for model in models] for name in ("evidence", "behind", "in_set")},
+        "chi2_taken_off": [model.chi2 for model in models],
         "refused": [model.refused for model in models],
     }
     caption = (
