@@ -319,6 +319,19 @@ def test_the_road_by_command_line(tmp_path, capsys, bent):
     assert json.loads(capsys.readouterr().out)["rows"] == 31
 
 
+def test_what_was_told_is_not_asked_for_and_what_never_shows_has_no_size(tmp_path, capsys, clean, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    data = readings(MADE, clean, seed=8)
+    replace(data, sigma_lam=np.full(data.n, np.nan)).to_csv("clean.csv")
+    asked = ["diagnose", "clean.csv", "--candidates", "beam_mass", "mooney_rivlin"]
+    for told, lines in ((["--force-sigma", "0.1"], 0), ([], 1)):
+        assert main([*asked, *told]) == 0
+        said = capsys.readouterr()
+        assert said.err.count("no column sigma_lam_N") == lines
+        assert said.out.startswith("nothing_found")
+        assert "inf" not in said.out.split()
+
+
 def test_hostile_questions_are_answered_in_one_line(bent):
     for options, text in (
         ({"candidates": ["precurvatur"]}, "did you mean 'precurvature'"),

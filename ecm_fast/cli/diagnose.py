@@ -2,6 +2,7 @@
 
 import argparse
 from functools import partial
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -114,7 +115,8 @@ def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
     from ..diagnosis.checks import check
 
     neck, common, tests = mechanism(args), _common(args), [measurements(path, args) for path in args.test]
-    noticed = _noticed(neck, common["data"])
+    force = {"lam_N": common["force_sigma"]} if (common["force_sigma"] or 0.0) > 0.0 else {}
+    noticed = _noticed(neck, [part.with_noise(force) for part in common["data"]])
     for part in tests:
         check(neck, part)  # a sign or a unit that is wrong there would look like an effect that does not carry over
     found = diagnose(neck, **common, test=tests, progress=waiting)
@@ -228,7 +230,7 @@ def _text(found: "Diagnosis") -> str:
         lines.append(f"never fitted, {gap.what}: {gap.before.sigma:.3g} sigma before, {gap.after.sigma:.3g} after; "
                      f"allowed {gap.allowed:.3g}")  # fmt: skip
     if found.verdict == "nothing_found":
-        smallest = sorted((s for s in found.sights if s.sigmas > 0.0), key=lambda s: s.smallest / s.typical)
+        smallest = sorted((s for s in found.sights if isfinite(s.smallest)), key=lambda s: s.smallest / s.typical)
         lines += [f"would have been found: {s.name} from {s.smallest:.3g} {s.unit}" for s in smallest[:_SHOWN]]
     lines += [f"left out: {place}: {reason}" for place, reason in found.outliers[:_SHOWN]]
     return "\n".join(lines)
