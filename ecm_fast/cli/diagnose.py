@@ -221,7 +221,10 @@ def _text(found: "Diagnosis") -> str:
     lines += [f"  {text}" for text in [next_best(found.models, found.names)] if text]
     lines += [f"{name} {estimate}" for name, estimate in found.calibration.items()]
     if found.gap:
-        words = {"before": f"before ({', '.join(found.calibration)} fitted alone)", "floor": "floor, the noise as seen"}
+        words = {
+            "before": f"before ({', '.join(found.calibration)} fitted alone)",
+            "floor": "floor (noise of camera and forces)",
+        }
         for name in ("before", "after", "floor") if found.effects else ("before", "floor"):
             rms, what = getattr(found.gap, name), words.get(name, name)
             lines.append(f"{found.gap.rows} rows set aside, {what}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
