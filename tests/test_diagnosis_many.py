@@ -73,6 +73,7 @@ def test_a_second_effect_that_the_evidence_of_all_rows_is_for_is_found(monkeypat
     found = diagnose(NECK, data, priors=priors)
     assert not any(gate.alarm for gate in found.gates if gate.stage == 1)
     assert found.names == tuple(hidden)
+    assert any("clamp_lateral_compliance alone passes the tests, too" in line for line in found.warnings)
 
 
 def test_the_share_keeps_small_experiments_whole_and_the_others_even() -> None:

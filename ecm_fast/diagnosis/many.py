@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .astray import on_more_than_a_row
+from .doubts import unasked_doubt
 from .lock import regions
 from .problem import Problem
 from .refit import Fit, refit
@@ -97,7 +98,8 @@ def _confirmed(
     pairs = _pairs_of(few, found) if asked else []
     if not pairs:
         return one
-    two = _of_two(baseline, one.gates, _to_all(problem, baseline, few, pairs), found[2][:1], alpha, seed)
+    enough = one.names(one.best)[0] if one.effects else ""
+    two = _of_two(baseline, one.gates, _to_all(problem, baseline, few, pairs), found[2][:1], alpha, seed, enough)
     return two if two.effects or not one.effects else one
 
 
@@ -140,14 +142,21 @@ def _pairs_of(few: Found, found: Fits) -> list[Fit]:
 
 
 def _of_two(
-    baseline: View, gates: tuple[Gate, ...], found: Fits, singles: Sequence[Fit], alpha: float, seed: int
+    baseline: View,
+    gates: tuple[Gate, ...],
+    found: Fits,
+    singles: Sequence[Fit],
+    alpha: float,
+    seed: int,
+    enough: str = "",
 ) -> Found:
-    """Return whether two effects are enough, and better than the `singles`."""
+    """Return whether two effects are enough, and better than the `singles`; `enough` names one that passes alone."""
     (view, null, fits), last = _tested(found, alpha, seed)
     alone = [refit(view, fit.model, fit.by_key()) for fit in singles]
     tried = {1: alone, 2: fits}
     gain = fits[0].evidence - max(fit.evidence for fit in (null, *alone)) if fits else 0.0
     if gain > _WORTH and not refused(fits[0], view) and not any(gate.alarm for gate in last):
-        return Found(baseline, view, null, tried, (*gates, *last), 2, False, ())
+        doubts = (unasked_doubt(enough, gain),) if enough else ()
+        return Found(baseline, view, null, tried, (*gates, *last), 2, False, doubts)
     without = refit(baseline, (), baseline.values)
     return Found(baseline, baseline, without, tried, (*gates, *last), 0, True, (), view)

@@ -118,7 +118,7 @@ class NextLoads:
         }
 
     def _lines(self) -> Iterator[str]:
-        yield f"<NextLoads to tell apart {', '.join(self.names)}: {self.worst_before:.1f} sigma now"
+        yield f"<NextLoads to tell apart {'; '.join(self.names)}: {self.worst_before:.1f} sigma now"
         yield from (f"  {entry!r}" for entry in self.suggestions)
         if not self.suggestions:
             yield f"  {self.why_none}"

@@ -102,8 +102,8 @@ def in_question(
     what an experiment that was never fitted refutes.
     """
     out = {entry["name"] for part in transfer for entry in part.get("rivals", ()) if not entry["carries_over"]}
-    models = [model for model in models if len(model["names"]) == len(models[0]["names"])]
-    models = [model for model in models if " with ".join(model["names"]) not in out]
+    models = [model for model in models if len(model["names"]) == len(models[0]["names"])
+              and " with ".join(model["names"]) not in out]  # fmt: skip
     found = [tuple(model["names"]) for model in models if model["in_set"]]
     if len(found) != 1:
         return found, False

@@ -193,7 +193,7 @@ def _next(found: NextLoads) -> Table:
         for entry in found.suggestions
     ]
     head = ("loads", "mount", "minutes", "promised sigma", "closest then")
-    return Table(f"To tell apart {', '.join(found.names)}: {found.worst_before:.2g} sigma now", head, tuple(rows))
+    return Table(f"To tell apart {'; '.join(found.names)}: {found.worst_before:.2g} sigma now", head, tuple(rows))
 
 
 def _invisible(found: Diagnosis) -> tuple[str, ...]:
