@@ -76,6 +76,19 @@ def test_a_second_effect_that_the_evidence_of_all_rows_is_for_is_found(monkeypat
     assert any("clamp_lateral_compliance alone passes the tests, too" in line for line in found.warnings)
 
 
+def test_nothing_is_left_of_a_look_alike_that_only_the_share_prefers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The tests look at what one name leaves, not at what it leaves beside another one that the rows refute."""
+    monkeypatch.setattr(many, "ENOUGH", 375)
+    data = measure(MADE.replace(precurvature=0.05), tendon_test(3000, seed=3), seed=7)
+    problem = Study(NECK, data).problem()
+    few = search(problem.by(many.evenly(problem, 375)), 0.01, 2, 0)
+    assert few.names(few.best) == ("force_zero_asymmetry",)
+    found = many.search_all(problem, 0.01, 2, 0)
+    assert found.names(found.best) == ("precurvature",)
+    sizes = {candidate.keys[0] for candidate in problem.candidates}
+    assert sizes.intersection(found.view.values) == {"effects.precurvature"}
+
+
 def test_the_share_keeps_small_experiments_whole_and_the_others_even() -> None:
     data = measure(MADE, in_sequence(tendon_test(4000, seed=6), shear_test(np.linspace(-60.0, 60.0, 40))), seed=7)
     problem = Study(NECK, data).problem()

@@ -111,9 +111,10 @@ def _near(fits: Sequence[Fit], view: View, limit: float) -> list[Fit]:
 
 def _to_all(problem: Problem, baseline: View, few: Found, near: list[Fit]) -> Fits:
     """Fit explanations to all rows, from where they are; the view is that at the best of them."""
-    best = near[0]
+    best, sizes = near[0], {candidate.keys[0] for candidate in problem.candidates}
+    known = {key: value for key, value in few.view.values.items() if key not in sizes}  # another name may be best here
     for _ in range(_PASSES):
-        view = View.at(problem, {**few.view.values, **best.by_key()}, best.model, baseline.noise)
+        view = View.at(problem, {**known, **best.by_key()}, best.model, baseline.noise)
         fits = _fitted(view, [fit.model for fit in near], {fit.model: fit for fit in near})
         near = _near(fits, view, LIMITS[len(best.model)])
         if not near or near[0].model == best.model:
