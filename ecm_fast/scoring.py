@@ -38,7 +38,9 @@ class Score:
     extra : whether more effects are reported than are hidden
     size_error : by the name of a parameter, (found - true)/true
     covered : by the name of a parameter, whether its interval holds the truth
-    gap_closed : share of the excess mean square over the floor that is gone on the locked rows
+    gap_closed : share of the excess mean square over the floor that is gone on the locked rows, where the mechanism
+        without any effect is calibrated, too
+    gap_closed_since_given : the same of the mechanism as it was given
     """
 
     kind: str
@@ -55,6 +57,7 @@ class Score:
     size_error: Mapping[str, float]
     covered: Mapping[str, bool]
     gap_closed: float | None
+    gap_closed_since_given: float | None
 
     @property
     def false_alarm(self) -> bool:
@@ -133,7 +136,8 @@ def _graded(answer: Mapping[str, Any], truth: Truth) -> Score:
         extra=len(unexcused) > len(hidden),
         size_error=_size_errors(effects, truth),
         covered=_covered(effects, truth),
-        gap_closed=_gap_closed(answer.get("gap") or {}),
+        gap_closed=_gap_closed(answer.get("gap") or {}, "before"),
+        gap_closed_since_given=_gap_closed(answer.get("gap") or {}, "given"),
     )
 
 
@@ -154,9 +158,9 @@ def _covered(effects: list[Mapping[str, Any]], truth: Truth) -> dict[str, bool]:
     }
 
 
-def _gap_closed(gap: Mapping[str, Any]) -> float | None:
-    """1 - (after^2 - floor^2)/(before^2 - floor^2) of the rms in sigmas, None where there was no gap."""
-    known = [(gap.get(name) or {}).get("rms_sigma") for name in ("before", "after", "floor")]
+def _gap_closed(gap: Mapping[str, Any], since: str) -> float | None:
+    """1 - (after^2 - floor^2)/(since^2 - floor^2) of the rms in sigmas, None where there was no gap."""
+    known = [(gap.get(name) or {}).get("rms_sigma") for name in (since, "after", "floor")]
     squares = [float(value) ** 2 for value in known if value is not None]
     if len(squares) < len(known):
         return None

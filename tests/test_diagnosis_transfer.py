@@ -105,7 +105,7 @@ def test_what_is_left_within_the_doubt_is_a_distance_of_mahalanobis(bent):
     fit = found.best
 
     def pose(values):
-        return predict(NECK.replace(**dict(zip(fit.keys, values, strict=True))), side).pose
+        return predict(NECK.replace(**dict(zip(fit.keys, values, strict=True)), **fit.build), side).pose
 
     steps = np.diag(1e-5 * np.maximum(np.abs(fit.values), 1e-2))
     sigma = np.array([1e-4, 1e-4, 1e-3]) * np.maximum(found.scale, 1.0)

@@ -18,8 +18,9 @@ def claim(name, value=None, interval=None, look_alikes=(), key=None):
     return {"name": name, "parameters": {key: value}, "look_alikes": list(look_alikes), **known}
 
 
-def answer(*effects, verdict="named", gap=(None, None, None)):
-    levels = {name: {"rms_sigma": level} for name, level in zip(("before", "after", "floor"), gap, strict=True)}
+def answer(*effects, verdict="named", gap=(None, None, None), given=None):
+    known = zip(("given", "before", "after", "floor"), (given, *gap), strict=True)
+    levels = {name: {"rms_sigma": level} for name, level in known}
     return {"verdict": verdict, "sentence": "", "effects": list(effects), "gap": {"rows": 20, **levels}}
 
 
@@ -35,6 +36,7 @@ def test_a_right_answer():
     assert grade.size_error == pytest.approx({"precurvature": 0.05})
     assert grade.covered == {"precurvature": True}
     assert grade.gap_closed == 1.0
+    assert grade.gap_closed_since_given is None  # an answer that does not say it
     assert repr(grade) == (
         "<Score of named (precurvature) on precurvature: verdict right, top names right, set right; "
         "gap closed 100.0%; precurvature off by +5.0%>"
@@ -49,9 +51,10 @@ def test_the_truth_among_the_look_alikes():
 
 
 def test_one_wrong_name_alone():
-    grade = score(answer(claim("side_force", 1.0), gap=(5.0, 3.0, 1.0)), BENT)
+    grade = score(answer(claim("side_force", 1.0), gap=(5.0, 3.0, 1.0), given=9.0), BENT)
     assert (grade.top, grade.in_set, grade.alone_right) == (False, False, False)
     assert grade.gap_closed == pytest.approx(1.0 - 8.0 / 24.0)
+    assert grade.gap_closed_since_given == pytest.approx(1.0 - 8.0 / 80.0)
 
 
 def test_a_second_name_on_one_effect():

@@ -211,7 +211,8 @@ def _inputs(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _text(found: "Diagnosis") -> str:
-    from ..diagnosis.claim_words import MIRRORS, alike, meaning, next_best, size
+    from ..diagnosis.claim_words import MIRRORS, alike, dimensions, meaning, next_best, size
+    from ..diagnosis.parts import GAPS
 
     lines = [f"{found.verdict}: {found.sentence}"]
     for claim in found.effects:
@@ -220,18 +221,20 @@ def _text(found: "Diagnosis") -> str:
                   f"  look-alikes: {alike(found.models, found.names, claim) or 'none'}"]  # fmt: skip
     lines += [f"  {text}" for text in [next_best(found.models, found.names)] if text]
     lines += [f"{name} {estimate}" for name, estimate in found.calibration.items()]
+    lines += [text for text in [dimensions(found.dimensions)] if text]
     if found.gap:
         words = {
-            "before": f"before ({', '.join(found.calibration)} fitted alone)",
+            "given": "as given",
+            "before": f"before ({', '.join(found.calibration)} and dimensions fitted alone)",
             "floor": "floor (noise of camera and forces)",
         }
-        for name in ("before", "after", "floor") if found.effects else ("before", "floor"):
+        for name in GAPS if found.effects else ("given", "before", "floor"):
             rms, what = getattr(found.gap, name), words.get(name, name)
             lines.append(f"{found.gap.rows} rows set aside, {what}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
                          f"theta {1e3 * rms.theta:.3g} mrad, {rms.sigma:.3g} sigma")  # fmt: skip
     for gap in found.transfer:
-        lines.append(f"never fitted, {gap.what}: {gap.before.sigma:.3g} sigma before, {gap.after.sigma:.3g} after; "
-                     f"allowed {gap.allowed:.3g}")  # fmt: skip
+        lines.append(f"never fitted, {gap.what}: {gap.given.sigma:.3g} sigma as given, {gap.before.sigma:.3g} before, "
+                     f"{gap.after.sigma:.3g} after; allowed {gap.allowed:.3g}")  # fmt: skip
     if found.verdict == "nothing_found":
         smallest = sorted((s for s in found.sights if isfinite(s.smallest)), key=lambda s: s.smallest / s.typical)
         lines += [f"would have been found: {s.name} from {s.smallest:.3g} {s.unit}" for s in smallest[:_SHOWN]]

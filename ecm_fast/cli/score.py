@@ -41,7 +41,9 @@ def _text(grade: "Score") -> str:
     for name, error in grade.size_error.items():
         lines.append(f"{name}: {error:+.2%} off, interval holds the truth: {said[grade.covered.get(name)]}")
     if grade.gap_closed is not None:
-        lines.append(f"gap closed on locked rows: {grade.gap_closed:.2%}")
+        lines.append(f"gap closed on locked rows, of the mechanism calibrated alone: {grade.gap_closed:.2%}")
+    if grade.gap_closed_since_given is not None:
+        lines.append(f"the same of the mechanism as it was given: {grade.gap_closed_since_given:.2%}")
     return "\n".join(lines)
 
 

@@ -1,13 +1,13 @@
 """A claim in words: its size with unit and meaning, its mirror class, and how far the next explanation is behind."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ..effects import CATALOGUE
 from ..parameters import find
 from .doubts import odds
 from .parts import Claim, Model
 
-__all__ = ["MIRRORS", "alike", "meaning", "next_best", "size"]
+__all__ = ["MIRRORS", "alike", "dimensions", "meaning", "next_best", "size"]
 
 MIRRORS = {
     "even": "even (same on both sides)",
@@ -50,6 +50,12 @@ def _named(name: str, value: float | None) -> str:
 
 def _in_unit(value: float, unit: str) -> str:
     return f"{value:.3g}" if unit == "-" else f"{value:.3g} {unit}"
+
+
+def dimensions(moved: Mapping[str, float]) -> str:
+    """Return what calibration made of dimensions; empty where none has a tolerance."""
+    given = ", ".join(f"{name} {_in_unit(value, find(name).unit)}" for name, value in moved.items())
+    return f"dimensions, within their tolerances: {given}" if given else ""
 
 
 def next_best(models: Sequence[Model], names: Sequence[str]) -> str:

@@ -21,15 +21,16 @@ _OUTLIER, _FEW = 8.0, 0.1
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """Residuals of some rows: measured less predicted before and after, and their noise.
+    """Residuals of some rows: measured less predicted as given, before and after, and their noise.
 
     Attributes
     ----------
-    before, after : (n, 3) [m, m, rad], nan where not measured
+    given, before, after : (n, 3) [m, m, rad], nan where not measured
     weights : of all rows
     scale : (3,) noise seen over noise assumed
     """
 
+    given: Array
     before: Array
     after: Array
     weights: Weights
@@ -37,9 +38,10 @@ class Opened:
 
     @classmethod
     def of(cls, problem: Problem, before: State, after: State, weights: Weights, scale: Array) -> "Opened":
-        """Return the residuals of all rows in two states."""
+        """Return the residuals of all rows in two states, and of the mechanism as it is given."""
         blank = np.where(problem.wanted, problem.rows.measured, np.nan)
-        return cls(blank - before.pose, blank - after.pose, weights, scale)
+        given = problem.state((), {}).pose
+        return cls(blank - given, blank - before.pose, blank - after.pose, weights, scale)
 
     def whitened(self, residual: Array) -> Array:
         """Return residuals in units of the noise, (n, 3), nan where there is none."""
@@ -68,14 +70,13 @@ def gap(problem: Problem, opened: Opened, rows: Mask, what: str, seed: int) -> t
     if not use.any():
         return None, np.flatnonzero(far)
     blocks = _blocks(problem)[use]
-    before, floor = opened.whitened(opened.before)[use], opened.spread()[use]
-    first, second = (
-        _rms(raw[use], white, blocks, seed) for raw, white in ((opened.before, before), (opened.after, after[use]))
+    given, first, second = (
+        _rms(raw[use], opened.whitened(raw)[use], blocks, seed) for raw in (opened.given, opened.before, opened.after)
     )
-    noise = _rms(floor, np.where(np.isfinite(after[use]), 1.0, np.nan), blocks, seed)
+    noise = _rms(opened.spread()[use], np.where(np.isfinite(after[use]), 1.0, np.nan), blocks, seed)
     excess = first.sigma**2 - 1.0
     closed = float(1.0 - max(second.sigma**2 - 1.0, 0.0) / excess) if excess > 0.0 else float("nan")
-    return Gap(int(use.sum()), what, first, second, noise, closed), np.flatnonzero(far)
+    return Gap(int(use.sum()), what, given, first, second, noise, closed), np.flatnonzero(far)
 
 
 def _rms(raw: Array, white: Array, blocks: NDArray[np.int64], seed: int) -> Rms:

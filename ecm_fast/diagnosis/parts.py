@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 
 from ..data import Measurements
 
-__all__ = ["Claim", "Gap", "Gate", "Model", "Noise", "Remainder", "Rms", "Rows", "Sight", "Verdict", "Where"]
+__all__ = ["GAPS", "Claim", "Gap", "Gate", "Model", "Noise", "Remainder", "Rms", "Rows", "Sight", "Verdict", "Where"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Verdict = Literal["named", "family", "outside_catalogue", "nothing_found", "data_gap"]
 _USUAL = (1e-4, 1e-4, 1e-3)
 CHANNEL_KEYS = ("x_m", "z_m", "theta_rad")
+GAPS = ("given", "before", "after", "floor")
+"""What a gap consists of, in order."""
 
 
 @dataclass(frozen=True)
@@ -184,13 +186,15 @@ class Gap:
     ----------
     rows : how many
     what : which rows these are
+    given : of the mechanism as it was given
     before, after : of the calibrated model without and with what was found
     floor : what noise alone leaves
-    closed : share of the mean square above the floor that is gone; nan where there was none
+    closed : share of the mean square above the floor that is gone since `before`; nan where there was none
     """
 
     rows: int
     what: str
+    given: Rms
     before: Rms
     after: Rms
     floor: Rms
@@ -198,7 +202,7 @@ class Gap:
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return ``gap`` of a diagnosis's JSON."""
-        parts = {name: getattr(self, name).to_json_dict() for name in ("before", "after", "floor")}
+        parts = {name: getattr(self, name).to_json_dict() for name in GAPS}
         return {"rows": self.rows, "what": self.what, **parts, "closed": self.closed}
 
 

@@ -6,8 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ..identification_rows import State
 from ..least_squares import Minimum, minimize
 from .compliance import Scales
+from .problem import Problem
 from .size_prior import size_factor
 from .view import View
 
@@ -32,6 +34,7 @@ class Fit:
     covariance : (p, p)
     total : weighted sum of squares, priors included
     settled : whether that is the minimum
+    build : dimensions by key, as the fit has them within their tolerances
     evidence : less that of the fit without effects gives twice the logarithm of their ratio
     """
 
@@ -42,10 +45,20 @@ class Fit:
     total: float
     evidence: float
     settled: bool
+    build: Mapping[str, float] = field(default_factory=dict)
 
     def by_key(self) -> dict[str, float]:
         """Return the values by key."""
         return dict(zip(self.keys, self.values.tolist(), strict=True))
+
+    def as_built(self) -> dict[str, float]:
+        """Return the values by key of all that the fit moves in the mechanism, dimensions among it."""
+        return {**self.by_key(), **self.build}
+
+    def state(self, problem: Problem) -> State:
+        """Return all rows of a problem as this explanation has them."""
+        values = self.as_built()
+        return problem.state(tuple(values), values)
 
 
 def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit: float = np.inf) -> Fit:
@@ -130,4 +143,16 @@ def _judged(found: Minimum, view: View, model: tuple[int, ...], keys: tuple[str,
         evidence += float(size_factor(size, std, np.array([member.one_sided for member in members])).sum())
     slope = scales.slope(found.values[:p])
     covariance = covariance[:p, :p] * np.outer(slope, slope)
-    return Fit(model, keys, scales.values(found.values[:p]), covariance, found.total, evidence, found.settled)
+    fitted, build = _with_build(scales.values(found.values[:p]), keys, view, found.values[p:])
+    return Fit(model, keys, fitted, covariance, found.total, evidence, found.settled, build)
+
+
+def _with_build(values: Array, keys: tuple[str, ...], view: View, hidden: Array) -> tuple[Array, dict[str, float]]:
+    """Return the fitted values, and the dimensions that are none of them, with what hides in the build added."""
+    problem, drawn = view.problem, view.drawn
+    moves = hidden[hidden.size - len(drawn) :] * [problem.tolerances[key] for key in drawn]
+    for key, move in zip(drawn, moves.tolist(), strict=True):
+        if key in keys:
+            values[keys.index(key)] += move
+    moved = zip(drawn, (problem.start(drawn) + moves).tolist(), strict=True)
+    return values, {key: value for key, value in moved if key not in keys}

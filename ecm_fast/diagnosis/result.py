@@ -7,7 +7,7 @@ from typing import Any
 from ..files import plain
 from ..identification_result import Estimate
 from ..mechanism import Mechanism
-from .parts import Claim, Gap, Gate, Model, Noise, Remainder, Rms, Rows, Sight, Verdict, Where
+from .parts import GAPS, Claim, Gap, Gate, Model, Noise, Remainder, Rms, Rows, Sight, Verdict, Where
 from .transfer_result import Transfer
 
 __all__ = [
@@ -37,6 +37,7 @@ class Diagnosis:
     sentence : the same in plain words
     effects : what was found
     calibration, before : identified parameters with and without what was found
+    dimensions, dimensions_before : what the calibrations make of dimensions within their tolerances
     mechanism : with everything that was found
     gap : on the locked rows; None where there were too few rows to lock any
     transfer : the same on experiments that were never fitted
@@ -59,6 +60,8 @@ class Diagnosis:
     effects: tuple[Claim, ...]
     calibration: Mapping[str, Estimate]
     before: Mapping[str, Estimate]
+    dimensions: Mapping[str, float]
+    dimensions_before: Mapping[str, float]
     mechanism: Mechanism
     gap: Gap | None
     transfer: tuple[Transfer, ...]
@@ -88,6 +91,8 @@ class Diagnosis:
             "effects": [claim.to_json_dict() for claim in self.effects],
             "calibration": _estimates(self.calibration),
             "calibration_before": _estimates(self.before),
+            "dimensions": self.dimensions,
+            "dimensions_before": self.dimensions_before,
             "gap": self.gap.to_json_dict() if self.gap else {"rows": 0},
             "transfer": [gap.to_json_dict() for gap in self.transfer],
             "models": [vars(model) for model in self.models],
@@ -114,7 +119,7 @@ class Diagnosis:
             lines.append(f"  {', '.join(sizes)}, {claim.sigmas:.1f} sigma{others}")
         lines += [f"  {name} {estimate}" for name, estimate in self.calibration.items()]
         if self.gap:
-            parts = (f"{name} {getattr(self.gap, name).sigma:.3g}" for name in ("before", "after", "floor"))
+            parts = (f"{name} {getattr(self.gap, name).sigma:.3g}" for name in GAPS)
             lines.append(f"  gap on {self.gap.rows} rows set aside [sigma]: {', '.join(parts)}")
         lines += [f"  warning: {text}" for text in (*self.warnings, *self.alarms)]
         return "\n".join(lines) + ">"

@@ -182,10 +182,9 @@ def _in_words(view: View) -> str:
 
 def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagnosis:
     baseline, view, best = found.baseline, found.view, found.best
-    after, around = problem.state(best.keys, best.by_key()), problem.state(problem.keys_of(view.model), view.values)
-    calibrated = problem.state((), baseline.values)
+    before, after = found.null.state(problem), best.state(problem)
+    around = problem.state(problem.keys_of(view.model), view.values)
     weights = problem.weights(view.noise, around)
-    before = calibrated if found.effects else after
     opened = Opened.of(problem, before, after, weights, found.scale)
     shown_gap, far = gap(problem, opened, problem.locked, "rows set aside", study.seed)
     effects, missing = claims(found), missing_columns(problem)
@@ -193,7 +192,7 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
     verdict = verdict_of(effects, outside=found.outside, gap_in_data=bool(missing) and view.cleaned.memory > 0.2)
     left = None
     if verdict in ("outside_catalogue", "data_gap"):
-        left = remainder(problem, view, opened, compliances(problem, calibrated), problem.locked)
+        left = remainder(problem, view, opened, compliances(problem, before), problem.locked)
     calibrated_now, noise = estimates(best, found), _noise(view)
     tests = _transfer(study, found, noise)
     lost = [*((int(i), "outlier") for i in [*view.outliers, *far]),
@@ -204,7 +203,9 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
         effects=effects,
         calibration=calibrated_now,
         before=estimates(found.null, found),
-        mechanism=problem.mechanism.replace(**best.by_key()),
+        dimensions=_by_name(best.build),
+        dimensions_before=_by_name(found.null.build),
+        mechanism=problem.mechanism.replace(**best.as_built()),
         gap=shown_gap,
         transfer=tests,
         models=found.models(),
@@ -222,9 +223,13 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
             *stiffness_doubts(calibrated_now, problem.mechanism, {find(name).name for name in study.priors}),
         ),
         alarms=alarms(found),
-        rows=_rows(problem, opened, calibrated, view, far),
+        rows=_rows(problem, opened, before, view, far),
         seconds=time.perf_counter() - begin,
     )
+
+
+def _by_name(values: Mapping[str, float]) -> dict[str, float]:
+    return {find(key).name: value for key, value in values.items()}
 
 
 def _transfer(study: Study, found: Found, noise: Noise) -> tuple[Transfer, ...]:

@@ -36,7 +36,7 @@ def transfer(there: Problem, found: Found, noise: Noise, seed: int) -> Transfer 
     noise : of these data
     seed : of the blocks that are drawn again
     """
-    before, after = (there.state(fit.keys, fit.by_key()) for fit in (found.null, found.best))
+    before, after = (fit.state(there) for fit in (found.null, found.best))
     known = there.noise(there.rows.at(there.start(there.keys)))
     sigma = np.where(known.origin == RESIDUAL, np.asarray(noise.sigma), known.sigma)  # else it would fit by definition
     known = replace(known, sigma=np.where(sigma > 0.0, sigma, known.sigma))
@@ -60,7 +60,7 @@ def transfer(there: Problem, found: Found, noise: Noise, seed: int) -> Transfer 
 def _rivals(there: Problem, found: Found, opened: Opened, far: NDArray[np.int64]) -> Iterator[tuple[str, float]]:
     """Yield the next best explanations and what they leave of the experiment [sigma]."""
     for fit in found.runners_up[:_RIVALS]:
-        whitened = opened.whitened(there.rows.measured - there.state(fit.keys, fit.by_key()).pose)
+        whitened = opened.whitened(there.rows.measured - fit.state(there).pose)
         whitened[far] = np.nan
         yield " with ".join(found.names(fit)), float(np.sqrt(np.nanmean(whitened**2)))
 
@@ -71,7 +71,7 @@ def _adapted(opened: Opened, after: State, fit: Fit, whitened: Array) -> float:
     Its square times the number of readings is the smallest |r - J d|^2 + d^T C^-1 d, chi squared where all is right.
     """
     use = np.isfinite(whitened)
-    by = (opened.weights.whitening @ np.nan_to_num(after.by)) / opened.scale[:, None]
+    by = (opened.weights.whitening @ np.nan_to_num(after.by[:, :, : len(fit.keys)])) / opened.scale[:, None]
     jacobian, residual = by[use], whitened[use]
     value, vector = np.linalg.eigh(fit.covariance)
     root = jacobian @ (vector * np.sqrt(np.maximum(value, 0.0)))

@@ -123,6 +123,11 @@ class View:
         return np.asarray(self.whitening @ self.state.by[self.rows])
 
     @property
+    def drawn(self) -> tuple[str, ...]:
+        """Keys of the dimensions that have a tolerance, in the order of `Weights.build`."""
+        return tuple(key for key in self.problem.tolerances if key in self.keys)
+
+    @property
     def place(self) -> dict[str, int]:
         """Column of `by` by key."""
         return {key: i for i, key in enumerate(self.keys)}

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from ..diagnosis import Diagnosis, Plan
-from ..diagnosis.claim_words import MIRRORS, alike, meaning, next_best
+from ..diagnosis.claim_words import MIRRORS, alike, dimensions, meaning, next_best
 from ..diagnosis.next_result import NextLoads
 from ..diagnosis.parity import Parity
+from ..diagnosis.parts import GAPS
 from ..diagnosis.problem import DRIFT
 from ..mechanism import Mechanism
 from ..parameters import find
@@ -121,7 +122,7 @@ def _gap_table(story: Story) -> Table:
         span[i] = np.ptp(story.pose[np.isfinite(story.pose[:, i]), i])
     rows: list[tuple[str | float | None, ...]] = []
     for gap in gaps:
-        for name in ("before", "after", "floor"):
+        for name in GAPS:
             rms = getattr(gap, name)
             shares = [
                 100.0 * value / width if width > 0.0 else None
@@ -229,7 +230,8 @@ def _noise(found: Diagnosis) -> tuple[str, ...]:
     return (f"Noise assumed: x {x:.3g} mm, z {z:.3g} mm, θ {theta:.3g} mrad, forces {noise.force:.3g} N ({origin}). "
             f"Each may drift by {DRIFT:g} of it from the first to the last row. "
             "The build is as drawn within tolerances (ecm-fast effects). "
-            f"What is left is {times} times the noise in x, z, θ.",)  # fmt: skip
+            f"What is left is {times} times the noise in x, z, θ.",
+            f"The mechanism file has {dimensions(found.dimensions) or 'all dimensions as given'}.")  # fmt: skip
 
 
 def _outliers(found: Diagnosis) -> tuple[Table, ...]:

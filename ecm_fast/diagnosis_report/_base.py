@@ -76,7 +76,8 @@ class Story:
     @property
     def calibrated(self) -> Mechanism:
         """The mechanism with what calibration found before anything was added."""
-        return self.mechanism.replace(**{find(name).key: entry.value for name, entry in self.found.before.items()})
+        moved = {name: entry.value for name, entry in self.found.before.items()} | dict(self.found.dimensions_before)
+        return self.mechanism.replace(**{find(name).key: value for name, value in moved.items()})
 
     @property
     def data(self) -> tuple[Measurements, ...]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..diagnosis import Plan
 from ..diagnosis.next_result import NextLoads
+from ..diagnosis.parts import GAPS
 from ..effects import CATALOGUE
 from ..model import FiniteElementModel
 from ..parameters import find
@@ -28,39 +29,41 @@ _FORCE = 10.0
 
 
 def gap_bar(story: Story) -> Picture | None:
-    """Locked rows before, after, floor; None where none were locked."""
+    """Locked rows as given, before, after, floor; None where none were locked."""
     gaps = ([story.found.gap] if story.found.gap else []) + list(story.found.transfer)
     if not gaps:
         return None
-    names = ("before", "after", "floor")
-    colors = dict(zip(names, (COLORS[1], COLORS[0], FAINT), strict=True))
-    with canvas(7.2, 0.5 + 0.85 * len(gaps)) as figure:
+    colors = dict(zip(GAPS, (COLORS[2], COLORS[1], COLORS[0], FAINT), strict=True))
+    with canvas(7.2, 0.5 + 1.1 * len(gaps)) as figure:
         axes = figure.subplots()
         labels, place = [], 0.0
         for gap in gaps:
-            for name in names:
+            for name in GAPS:
                 rms = getattr(gap, name)
                 axes.barh(place, rms.sigma, 0.8, color=colors[name])
                 low, high = rms.interval
                 if np.isfinite([low, high]).all():
                     axes.plot([low, high], [place, place], color="black", linewidth=1.2)
-                labels.append((place, f"{name}, {gap.what}" if name == "before" else name))
+                labels.append((place, f"{name}, {gap.what}" if name == GAPS[0] else name))
                 place -= 1.0
             place -= 0.6
         axes.set_yticks(*zip(*labels, strict=True))
         axes.set_xlabel("rms of what is left, in units of the noise")
         axes.grid(True, axis="x")
     columns: dict[str, Any] = {
-        "rows": np.repeat([gap.what for gap in gaps], 3),
-        "when": names * len(gaps),
+        "rows": np.repeat([gap.what for gap in gaps], len(GAPS)),
+        "when": GAPS * len(gaps),
         **{
-            f"rms_{key}": [getattr(getattr(gap, name), key) for gap in gaps for name in names]
+            f"rms_{key}": [getattr(getattr(gap, name), key) for gap in gaps for name in GAPS]
             for key in ("x", "z", "theta", "sigma")
         },
-        "lower": [getattr(gap, name).interval[0] for gap in gaps for name in names],
-        "upper": [getattr(gap, name).interval[1] for gap in gaps for name in names],
+        "lower": [getattr(gap, name).interval[0] for gap in gaps for name in GAPS],
+        "upper": [getattr(gap, name).interval[1] for gap in gaps for name in GAPS],
     }
-    caption = "The gap in rows that no step of the diagnosis has seen; black: interval from resampled blocks of rows."
+    caption = (
+        "The gap in rows that no step of the diagnosis has seen: of the mechanism as given, of the calibrated one, "
+    )
+    caption += "of the one with what was found, and what noise leaves; black: interval from resampled blocks of rows."
     return Picture("gap", caption, figure, columns)
 
 

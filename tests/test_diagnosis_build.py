@@ -1,0 +1,61 @@
+"""Dimensions that are off by their tolerances: calibrated along with the stiffnesses, and part of what is written."""
+
+import numpy as np
+import pytest
+
+from ecm_fast import Mechanism
+from ecm_fast.diagnosis import diagnose
+from ecm_fast.effects import CATALOGUE
+from ecm_fast.prediction import predict
+from ecm_fast.testbed import Sensors, measure, tendon_test
+
+NECK = Mechanism()
+OFF = {"beam_length": 6e-5, "pulley_height": -2e-4}  # twice their tolerances
+TRUTH = NECK.replace(precurvature=0.2, **OFF)
+LOADS = tendon_test(120, seed=3)
+MATERIAL = {"EA": (7500.0, 75.0), "GA": (2420.0, 17.0), "EI": (3.0, 0.009)}
+
+
+@pytest.fixture(scope="module")
+def found():
+    data = measure(TRUTH, LOADS, Sensors(camera_sigma=(2e-5, 2e-5, 2e-4)), seed=5)
+    return diagnose(NECK, data, candidates=["precurvature", "lever_arm"], priors=MATERIAL)
+
+
+def test_what_is_written_has_the_dimensions_that_the_data_ask_for(found):
+    """On loads that were never measured its poses are nearer to the truth than with the dimensions as drawn."""
+    assert found.names == ("precurvature",)
+    exact = measure(TRUTH, tendon_test(80, seed=4), Sensors(camera_sigma=(0.0, 0.0, 0.0)), seed=6)
+    drawn = found.mechanism.replace(**dict.fromkeys(found.dimensions, 0.0))
+    sigma = np.array([2e-5, 2e-5, 2e-4])
+    after, before = (
+        np.sqrt(np.mean((predict(neck, exact).residual / sigma) ** 2)) for neck in (found.mechanism, drawn)
+    )
+    assert after < 0.3 < 1.0 < before
+    assert found.dimensions["beam_length"] == pytest.approx(OFF["beam_length"], rel=0.5)
+
+
+def test_every_dimension_with_a_tolerance_is_said(found):
+    known = {effect.name for effect in CATALOGUE.values() if effect.size.tolerance}
+    assert set(found.dimensions) == set(found.dimensions_before) == known
+    assert {name: found.mechanism.effects[name] for name in known} == pytest.approx(dict(found.dimensions))
+    said = found.to_json_dict()
+    assert (said["dimensions"], said["dimensions_before"]) == (dict(found.dimensions), dict(found.dimensions_before))
+
+
+def test_a_dimension_that_is_named_is_no_tolerance():
+    data = measure(NECK.replace(beam_length=1e-3), LOADS, seed=7)
+    found = diagnose(NECK, data, candidates=["beam_length"], priors=MATERIAL)
+    assert found.names == ("beam_length",)
+    assert "beam_length" not in found.dimensions
+    assert found.mechanism.effects["beam_length"] == found.effects[0].parameters["beam_length"]
+
+
+def test_the_gap_begins_with_the_mechanism_as_it_was_given(found):
+    """Noise of the camera alone: the gap in sigmas is that of the plain prediction."""
+    rows = found.rows
+    sigma = np.array([2e-5, 2e-5, 2e-4]) * found.noise.scale
+    off = predict(NECK, rows.data[0]).residual[rows.locked & ~rows.outlier]
+    assert found.gap.given.sigma == pytest.approx(np.sqrt(np.mean((off / sigma) ** 2)), rel=1e-6)
+    assert found.gap.given.theta == pytest.approx(np.sqrt(np.mean(off[:, 2] ** 2)), rel=1e-12)
+    assert found.gap.given.sigma > found.gap.before.sigma > 5.0 * found.gap.after.sigma
