@@ -1,9 +1,9 @@
-"""Dimensions that are off by their tolerances: calibrated along with the stiffnesses, and part of what is written."""
+"""What is written and how it is proven: dimensions within their tolerances, and the gap stage by stage."""
 
 import numpy as np
 import pytest
 
-from ecm_fast import Mechanism
+from ecm_fast import FiniteElementModel, Mechanism
 from ecm_fast.diagnosis import diagnose
 from ecm_fast.effects import CATALOGUE
 from ecm_fast.prediction import predict
@@ -33,6 +33,7 @@ def test_what_is_written_has_the_dimensions_that_the_data_ask_for(found):
     )
     assert after < 0.3 < 1.0 < before
     assert found.dimensions["beam_length"] == pytest.approx(OFF["beam_length"], rel=0.5)
+    assert FiniteElementModel(found.mechanism).path == "condensed"  # as fast in a control loop as before
 
 
 def test_every_dimension_with_a_tolerance_is_said(found):
@@ -59,3 +60,18 @@ def test_the_gap_begins_with_the_mechanism_as_it_was_given(found):
     assert found.gap.given.sigma == pytest.approx(np.sqrt(np.mean((off / sigma) ** 2)), rel=1e-6)
     assert found.gap.given.theta == pytest.approx(np.sqrt(np.mean(off[:, 2] ** 2)), rel=1e-12)
     assert found.gap.given.sigma > found.gap.before.sigma > 5.0 * found.gap.after.sigma
+
+
+def test_of_two_effects_each_one_closes_its_part_of_the_gap():
+    """A bend to one side moves z and theta, a lever of the marker x: neither does what the other does."""
+    data = measure(NECK.replace(precurvature=0.1, marker_lever_x=2e-3), LOADS, seed=8)
+    found = diagnose(NECK, data, candidates=["precurvature", "marker_lever_x", "creep"], priors=MATERIAL)
+    assert set(found.names) == {"precurvature", "marker_lever_x"}
+    gap = found.gap
+    assert list(gap.stages) == ["given", "before", *(f"without {name}" for name in found.names), "after", "floor"]
+    for name, other in (found.names, found.names[::-1]):
+        assert gap.before.sigma > gap.without[name].sigma > 2.0 * gap.after.sigma
+        alone = diagnose(NECK, measure(NECK.replace(**{name: found.effects[found.names.index(name)].parameters[name]}),
+                                       LOADS, seed=8), candidates=[other], max_effects=0, priors=MATERIAL)  # fmt: skip
+        assert gap.without[name].sigma == pytest.approx(alone.gap.before.sigma, rel=0.2)
+    assert found.to_json_dict()["gap"]["without"].keys() == gap.without.keys()

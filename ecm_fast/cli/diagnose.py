@@ -212,7 +212,6 @@ def _inputs(args: argparse.Namespace) -> dict[str, Any]:
 
 def _text(found: "Diagnosis") -> str:
     from ..diagnosis.claim_words import MIRRORS, alike, dimensions, meaning, next_best, size
-    from ..diagnosis.parts import GAPS
 
     lines = [f"{found.verdict}: {found.sentence}"]
     for claim in found.effects:
@@ -222,24 +221,33 @@ def _text(found: "Diagnosis") -> str:
     lines += [f"  {text}" for text in [next_best(found.models, found.names)] if text]
     lines += [f"{name} {estimate}" for name, estimate in found.calibration.items()]
     lines += [text for text in [dimensions(found.dimensions)] if text]
-    if found.gap:
-        words = {
-            "given": "as given",
-            "before": f"before ({', '.join(found.calibration)} and dimensions fitted alone)",
-            "floor": "floor (noise of camera and forces)",
-        }
-        for name in GAPS if found.effects else ("given", "before", "floor"):
-            rms, what = getattr(found.gap, name), words.get(name, name)
-            lines.append(f"{found.gap.rows} rows set aside, {what}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
-                         f"theta {1e3 * rms.theta:.3g} mrad, {rms.sigma:.3g} sigma")  # fmt: skip
-    for gap in found.transfer:
-        lines.append(f"never fitted, {gap.what}: {gap.given.sigma:.3g} sigma as given, {gap.before.sigma:.3g} before, "
-                     f"{gap.after.sigma:.3g} after; allowed {gap.allowed:.3g}")  # fmt: skip
+    lines += _gap_lines(found)
     if found.verdict == "nothing_found":
         smallest = sorted((s for s in found.sights if isfinite(s.smallest)), key=lambda s: s.smallest / s.typical)
         lines += [f"would have been found: {s.name} from {s.smallest:.3g} {s.unit}" for s in smallest[:_SHOWN]]
     lines += [f"left out: {place}: {reason}" for place, reason in found.outliers[:_SHOWN]]
     return "\n".join(lines)
+
+
+def _gap_lines(found: "Diagnosis") -> list[str]:
+    words = {
+        "given": "as given",
+        "before": f"before ({', '.join(found.calibration)} and dimensions fitted alone)",
+        "floor": "floor (noise of camera and forces)",
+    }
+    stages = found.gap.stages if found.gap else {}
+    rows = f"{found.gap.rows} rows set aside" if found.gap else ""
+    lines = [
+        f"{rows}, {words.get(name, name)}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
+        f"theta {1e3 * rms.theta:.3g} mrad, {rms.sigma:.3g} sigma"
+        for name, rms in stages.items()
+        if found.effects or name != "after"
+    ]
+    return lines + [
+        f"never fitted, {gap.what}: {gap.given.sigma:.3g} sigma as given, {gap.before.sigma:.3g} before, "
+        f"{gap.after.sigma:.3g} after; allowed {gap.allowed:.3g}"
+        for gap in found.transfer
+    ]
 
 
 def _plan(args: argparse.Namespace) -> Answer:

@@ -1,6 +1,7 @@
 """The proof: rows that nothing has seen, before and after, beside what noise alone leaves."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ class Opened:
     given, before, after : (n, 3) [m, m, rad], nan where not measured
     weights : of all rows
     scale : (3,) noise seen over noise assumed
+    without : as `after`, by name, where one of two effects is left out
     """
 
     given: Array
@@ -35,13 +37,23 @@ class Opened:
     after: Array
     weights: Weights
     scale: Array
+    without: Mapping[str, Array] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, problem: Problem, before: State, after: State, weights: Weights, scale: Array) -> "Opened":
-        """Return the residuals of all rows in two states, and of the mechanism as it is given."""
+    def of(
+        cls,
+        problem: Problem,
+        before: State,
+        after: State,
+        weights: Weights,
+        scale: Array,
+        without: Mapping[str, State] | None = None,
+    ) -> "Opened":
+        """Return the residuals of all rows in these states, and of the mechanism as it is given."""
         blank = np.where(problem.wanted, problem.rows.measured, np.nan)
         given = problem.state((), {}).pose
-        return cls(blank - given, blank - before.pose, blank - after.pose, weights, scale)
+        own = {name: blank - state.pose for name, state in (without or {}).items()}
+        return cls(blank - given, blank - before.pose, blank - after.pose, weights, scale, own)
 
     def whitened(self, residual: Array) -> Array:
         """Return residuals in units of the noise, (n, 3), nan where there is none."""
@@ -70,13 +82,15 @@ def gap(problem: Problem, opened: Opened, rows: Mask, what: str, seed: int) -> t
     if not use.any():
         return None, np.flatnonzero(far)
     blocks = _blocks(problem)[use]
-    given, first, second = (
-        _rms(raw[use], opened.whitened(raw)[use], blocks, seed) for raw in (opened.given, opened.before, opened.after)
+    given, first, second, *fewer = (
+        _rms(raw[use], opened.whitened(raw)[use], blocks, seed)
+        for raw in (opened.given, opened.before, opened.after, *opened.without.values())
     )
     noise = _rms(opened.spread()[use], np.where(np.isfinite(after[use]), 1.0, np.nan), blocks, seed)
     excess = first.sigma**2 - 1.0
     closed = float(1.0 - max(second.sigma**2 - 1.0, 0.0) / excess) if excess > 0.0 else float("nan")
-    return Gap(int(use.sum()), what, given, first, second, noise, closed), np.flatnonzero(far)
+    without = dict(zip(opened.without, fewer, strict=True))
+    return Gap(int(use.sum()), what, given, first, second, noise, closed, without=without), np.flatnonzero(far)
 
 
 def _rms(raw: Array, white: Array, blocks: NDArray[np.int64], seed: int) -> Rms:

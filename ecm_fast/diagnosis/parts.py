@@ -10,15 +10,13 @@ from numpy.typing import NDArray
 
 from ..data import Measurements
 
-__all__ = ["GAPS", "Claim", "Gap", "Gate", "Model", "Noise", "Remainder", "Rms", "Rows", "Sight", "Verdict", "Where"]
+__all__ = ["Claim", "Gap", "Gate", "Model", "Noise", "Remainder", "Rms", "Rows", "Sight", "Verdict", "Where"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Verdict = Literal["named", "family", "outside_catalogue", "nothing_found", "data_gap"]
 _USUAL = (1e-4, 1e-4, 1e-3)
 CHANNEL_KEYS = ("x_m", "z_m", "theta_rad")
-GAPS = ("given", "before", "after", "floor")
-"""What a gap consists of, in order."""
 
 
 @dataclass(frozen=True)
@@ -190,6 +188,7 @@ class Gap:
     before, after : of the calibrated model without and with what was found
     floor : what noise alone leaves
     closed : share of the mean square above the floor that is gone since `before`; nan where there was none
+    without : of two effects found, by name, what is left where the other one alone is in the calibrated model
     """
 
     rows: int
@@ -199,11 +198,19 @@ class Gap:
     after: Rms
     floor: Rms
     closed: float
+    without: Mapping[str, Rms] = field(default_factory=dict, kw_only=True)
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return ``gap`` of a diagnosis's JSON."""
-        parts = {name: getattr(self, name).to_json_dict() for name in GAPS}
-        return {"rows": self.rows, "what": self.what, **parts, "closed": self.closed}
+        parts = {name: getattr(self, name).to_json_dict() for name in ("given", "before", "after", "floor")}
+        without = {name: rms.to_json_dict() for name, rms in self.without.items()}
+        return {"rows": self.rows, "what": self.what, **parts, "closed": self.closed, "without": without}
+
+    @property
+    def stages(self) -> dict[str, Rms]:
+        """All root mean squares by a word or two, in the order in which they shrink."""
+        without = {f"without {name}": rms for name, rms in self.without.items()}
+        return {"given": self.given, "before": self.before, **without, "after": self.after, "floor": self.floor}
 
 
 @dataclass(frozen=True, eq=False)

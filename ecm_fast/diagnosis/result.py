@@ -7,7 +7,7 @@ from typing import Any
 from ..files import plain
 from ..identification_result import Estimate
 from ..mechanism import Mechanism
-from .parts import GAPS, Claim, Gap, Gate, Model, Noise, Remainder, Rms, Rows, Sight, Verdict, Where
+from .parts import Claim, Gap, Gate, Model, Noise, Remainder, Rms, Rows, Sight, Verdict, Where
 from .transfer_result import Transfer
 
 __all__ = [
@@ -119,7 +119,7 @@ class Diagnosis:
             lines.append(f"  {', '.join(sizes)}, {claim.sigmas:.1f} sigma{others}")
         lines += [f"  {name} {estimate}" for name, estimate in self.calibration.items()]
         if self.gap:
-            parts = (f"{name} {getattr(self.gap, name).sigma:.3g}" for name in GAPS)
+            parts = (f"{name} {rms.sigma:.3g}" for name, rms in self.gap.stages.items())
             lines.append(f"  gap on {self.gap.rows} rows set aside [sigma]: {', '.join(parts)}")
         lines += [f"  warning: {text}" for text in (*self.warnings, *self.alarms)]
         return "\n".join(lines) + ">"

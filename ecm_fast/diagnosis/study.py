@@ -21,6 +21,7 @@ from .many import search_all
 from .plan_result import Plan
 from .problem import DRIFT, Problem
 from .progress import Progress
+from .refit import refit
 from .remainder import remainder
 from .result import Diagnosis, Noise, Rows, Transfer
 from .search import Found
@@ -185,7 +186,7 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
     before, after = found.null.state(problem), best.state(problem)
     around = problem.state(problem.keys_of(view.model), view.values)
     weights = problem.weights(view.noise, around)
-    opened = Opened.of(problem, before, after, weights, found.scale)
+    opened = Opened.of(problem, before, after, weights, found.scale, _without_one(found))
     shown_gap, far = gap(problem, opened, problem.locked, "rows set aside", study.seed)
     effects, missing = claims(found), missing_columns(problem)
     seen = sights(baseline, study.alpha, study.seed)
@@ -226,6 +227,16 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
         rows=_rows(problem, opened, before, view, far),
         seconds=time.perf_counter() - begin,
     )
+
+
+def _without_one(found: Found) -> dict[str, State]:
+    """Return, by the name of each of two effects, all rows as the other one alone has them, fitted anew."""
+    problem, best = found.view.problem, found.best
+    if len(best.model) < 2:
+        return {}
+    rest = {i: tuple(other for other in best.model if other != i) for i in best.model}
+    return {problem.candidates[i].name: refit(found.view, other, best.by_key()).state(problem)
+            for i, other in rest.items()}  # fmt: skip
 
 
 def _by_name(values: Mapping[str, float]) -> dict[str, float]:

@@ -81,8 +81,8 @@ def _named(claim: Claim) -> str:
 def _proof(gap: Gap | None) -> str:
     if gap is None:
         return " (too few rows to set any aside as proof)"
-    return (f"; on {gap.rows} rows that were set aside {gap.given.sigma:.3g} times the noise is left of the mechanism "
-            f"as given, {gap.before.sigma:.3g} of the calibrated one, {gap.after.sigma:.3g} of this")  # fmt: skip
+    return (f"; on {gap.rows} rows that were set aside the mechanism as given is off by {gap.given.sigma:.3g} times "
+            f"the noise, calibrated alone by {gap.before.sigma:.3g}, with this by {gap.after.sigma:.3g}")  # fmt: skip
 
 
 def missing_columns(problem: Problem) -> tuple[str, ...]:

@@ -11,7 +11,6 @@ from ..diagnosis import Diagnosis, Plan
 from ..diagnosis.claim_words import MIRRORS, alike, dimensions, meaning, next_best
 from ..diagnosis.next_result import NextLoads
 from ..diagnosis.parity import Parity
-from ..diagnosis.parts import GAPS
 from ..diagnosis.problem import DRIFT
 from ..mechanism import Mechanism
 from ..parameters import find
@@ -122,8 +121,7 @@ def _gap_table(story: Story) -> Table:
         span[i] = np.ptp(story.pose[np.isfinite(story.pose[:, i]), i])
     rows: list[tuple[str | float | None, ...]] = []
     for gap in gaps:
-        for name in GAPS:
-            rms = getattr(gap, name)
+        for name, rms in gap.stages.items():
             shares = [
                 100.0 * value / width if width > 0.0 else None
                 for value, width in zip((rms.x, rms.z, rms.theta), span, strict=True)

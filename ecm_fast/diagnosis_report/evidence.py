@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ..diagnosis import Plan
 from ..diagnosis.next_result import NextLoads
-from ..diagnosis.parts import GAPS
 from ..effects import CATALOGUE
 from ..model import FiniteElementModel
 from ..parameters import find
@@ -33,32 +32,27 @@ def gap_bar(story: Story) -> Picture | None:
     gaps = ([story.found.gap] if story.found.gap else []) + list(story.found.transfer)
     if not gaps:
         return None
-    colors = dict(zip(GAPS, (COLORS[2], COLORS[1], COLORS[0], FAINT), strict=True))
-    with canvas(7.2, 0.5 + 1.1 * len(gaps)) as figure:
+    colors = {"given": COLORS[4], "before": COLORS[1], "after": COLORS[0], "floor": FAINT}
+    stages = [(gap.what, name, rms) for gap in gaps for name, rms in gap.stages.items()]
+    with canvas(7.2, 0.5 + 0.28 * len(stages)) as figure:
         axes = figure.subplots()
         labels, place = [], 0.0
-        for gap in gaps:
-            for name in GAPS:
-                rms = getattr(gap, name)
-                axes.barh(place, rms.sigma, 0.8, color=colors[name])
-                low, high = rms.interval
-                if np.isfinite([low, high]).all():
-                    axes.plot([low, high], [place, place], color="black", linewidth=1.2)
-                labels.append((place, f"{name}, {gap.what}" if name == GAPS[0] else name))
-                place -= 1.0
-            place -= 0.6
+        for what, name, rms in stages:
+            place -= 1.6 if name == "given" else 1.0
+            axes.barh(place, rms.sigma, 0.8, color=colors.get(name, COLORS[3]))
+            low, high = rms.interval
+            if np.isfinite([low, high]).all():
+                axes.plot([low, high], [place, place], color="black", linewidth=1.2)
+            labels.append((place, f"{name}, {what}" if name == "given" else name))
         axes.set_yticks(*zip(*labels, strict=True))
         axes.set_xlabel("rms of what is left, in units of the noise")
         axes.grid(True, axis="x")
     columns: dict[str, Any] = {
-        "rows": np.repeat([gap.what for gap in gaps], len(GAPS)),
-        "when": GAPS * len(gaps),
-        **{
-            f"rms_{key}": [getattr(getattr(gap, name), key) for gap in gaps for name in GAPS]
-            for key in ("x", "z", "theta", "sigma")
-        },
-        "lower": [getattr(gap, name).interval[0] for gap in gaps for name in GAPS],
-        "upper": [getattr(gap, name).interval[1] for gap in gaps for name in GAPS],
+        "rows": [what for what, _, _ in stages],
+        "when": [name for _, name, _ in stages],
+        **{f"rms_{key}": [getattr(rms, key) for _, _, rms in stages] for key in ("x", "z", "theta", "sigma")},
+        "lower": [rms.interval[0] for _, _, rms in stages],
+        "upper": [rms.interval[1] for _, _, rms in stages],
     }
     caption = (
         "The gap in rows that no step of the diagnosis has seen: of the mechanism as given, of the calibrated one, "
