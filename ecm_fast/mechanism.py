@@ -1,7 +1,7 @@
 """What is built: beam, head, tendons, gravity, effects. SI units and radians, checked once, then frozen."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal, Self
 
@@ -207,11 +207,11 @@ class Mechanism:
 
         return read_mechanism(path)
 
-    def to_toml(self, path: str | os.PathLike[str]) -> None:
-        """Write a mechanism file that reads back to exactly this mechanism."""
+    def to_toml(self, path: str | os.PathLike[str], remarks: Iterable[str] = ()) -> None:
+        """Write a mechanism file that reads back to exactly this mechanism, with `remarks` as comments at its top."""
         from .mechanism_file import write_mechanism
 
-        write_mechanism(self, path)
+        write_mechanism(self, path, remarks)
 
     def replace(self, **changes: float | str) -> Self:
         """Return a mechanism with some values changed, named as in `parameters` (short or dotted).

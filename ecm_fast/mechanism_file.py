@@ -2,7 +2,7 @@
 
 import os
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -82,9 +82,14 @@ def _entries(content: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
             yield "effects", allowed[part], number
 
 
-def write_mechanism(mechanism: Mechanism, path: str | os.PathLike[str]) -> None:
-    """Write every value of a mechanism, each with its unit and meaning; reading it gives the same mechanism."""
-    write_whole(path, _text(mechanism, {entry.key: entry for entry in PARAMETERS}, with_source=False))
+def write_mechanism(mechanism: Mechanism, path: str | os.PathLike[str], remarks: Iterable[str] = ()) -> None:
+    """Write every value of a mechanism, each with its unit and meaning; reading it gives the same mechanism.
+
+    remarks : what else a reader should know, for comments at the top
+    """
+    text = _text(mechanism, {entry.key: entry for entry in PARAMETERS}, with_source=False)
+    title, rest = text.split("\n", 1)
+    write_whole(path, "\n".join([title, *(f"# {_printable(remark)}" for remark in remarks), rest]))
 
 
 def template(preset: str = "slender") -> str:
@@ -106,6 +111,10 @@ def _text(mechanism: Mechanism, entries: Mapping[str, Quantity], *, with_source:
         entry = entries[f"effects.{name}"]
         lines.append(f"{name} = {_literal(value)}  # {_unit(entry)}{entry.meaning}")
     return "\n".join(lines) + "\n"
+
+
+def _printable(text: str) -> str:
+    return "".join(letter if letter.isprintable() else " " for letter in text)
 
 
 def _unit(entry: Quantity) -> str:

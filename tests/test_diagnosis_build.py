@@ -68,7 +68,8 @@ def test_of_two_effects_each_one_closes_its_part_of_the_gap():
     found = diagnose(NECK, data, candidates=["precurvature", "marker_lever_x", "creep"], priors=MATERIAL)
     assert set(found.names) == {"precurvature", "marker_lever_x"}
     gap = found.gap
-    assert list(gap.stages) == ["given", "before", *(f"without {name}" for name in found.names), "after", "floor"]
+    without = [f"fitted without {name}" for name in found.names]
+    assert list(gap.stages) == ["as given", "calibrated alone", *without, "with what was found", "floor"]
     for name, other in (found.names, found.names[::-1]):
         assert gap.before.sigma > gap.without[name].sigma > 2.0 * gap.after.sigma
         alone = diagnose(NECK, measure(NECK.replace(**{name: found.effects[found.names.index(name)].parameters[name]}),

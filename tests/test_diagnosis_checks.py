@@ -155,3 +155,12 @@ def test_thirty_thousand_rows_are_checked(plain) -> None:
     table = dict(zip(("lam_l_N", "lam_r_N", "x_m", "z_m", "theta_rad"), np.column_stack([lam, pose]).T, strict=True))
     data = Measurements.from_columns(table)
     assert "many rows" in kinds(NECK, data)
+
+
+def test_rows_that_are_not_in_the_order_of_measurement_are_said(plain) -> None:
+    """Sorted by a force, time stamps intact: friction and memory could not be told any more."""
+    data = plain.select(np.argsort(plain.lam_l, kind="stable"))
+    found = next(finding for finding in findings(NECK, data) if finding.kind == "order")
+    assert len(found.rows) == int((np.diff(data.t) < 0.0).sum()) > 10
+    assert "sort them by t_s" in str(found)
+    assert "order" not in kinds(NECK, plain.select(np.arange(0, plain.n, 2)))

@@ -45,7 +45,7 @@ def test_a_negative_stiffness_is_never_wanted(wanted, said) -> None:
     text = _away(find("GA"), 2420.0, 120.0, wanted, 38.0, 13.0)
     assert said in text
     assert "-254.9" not in text
-    assert "13.0 standard deviations of both from 2420 +- 120 N" in text
+    assert "13.0 standard deviations, of fit and test together, from 2420 +- 120 N" in text
 
 
 @pytest.mark.parametrize(

@@ -58,7 +58,7 @@ def test_the_first_page_says_verdict_gap_set_and_next(done) -> None:
     assert f"{name}: {CATALOGUE[name].size.meaning}; even (same on both sides)" in unescape(first)
     assert "Next best: " in first
     assert "Measure next" in first
-    assert "rows set aside, before" in first
+    assert "rows set aside, calibrated alone" in first
 
 
 def test_numbers_beside_the_pictures_are_those_of_the_rows(done) -> None:

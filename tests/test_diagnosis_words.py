@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from ecm_fast.diagnosis.claim_words import alike, meaning, next_best, size
+from ecm_fast.diagnosis.claim_words import alike, dimensions, meaning, next_best, size
 from ecm_fast.diagnosis.parts import Claim, Gap, Model, Rms
 from ecm_fast.diagnosis.transfer_result import Transfer
 from ecm_fast.diagnosis.words import sentence
@@ -91,3 +91,28 @@ def test_who_allows_few_names_is_told_so() -> None:
     outside = said(verdict="outside_catalogue", only=["soft_spot"])
     assert outside == ("Something is missing that no one or two effects of those that may be named here (soft_spot) "
                        "explain.")  # fmt: skip
+
+
+def test_test_files_that_refute_look_alikes_say_which_are_left() -> None:
+    claim = replace(CLAIM, look_alikes=("lever_arm", "soft_spot"))
+
+    def end(*rivals):
+        gap = Gap(20, "rows set aside", EXACT, EXACT, EXACT, EXACT, 1.0)
+        test = replace(shown(1.0), rivals=rivals)
+        return sentence("family", (claim,), gap, (), (), None, (test,)).rpartition("Of the look-alikes")[2]
+
+    assert end(("lever_arm", 4.2), ("soft_spot", 3.0)) == f" {NAME} alone is left."
+    assert end(("lever_arm", 4.2), ("soft_spot", 1.1)) == f" {NAME} and soft_spot are left."
+    assert "left." not in end(("creep", 4.2))
+
+
+def test_dimensions_are_said_where_they_leave_their_tolerances() -> None:
+    """Tolerances: 0.03 mm of the beam's length, 0.01 mm of the pulleys' place."""
+    fitted = {"beam_length": 1.02e-3, "pulley_shift": -1.27e-4}
+    assert dimensions(fitted, {"beam_length": 1e-3}) == (
+        "dimensions that the fit moves by more than a tolerance: pulley_shift by -0.000127 m of 1e-05; "
+        "the mechanism file has them so"
+    )
+    near = dimensions({"beam_length": 2e-5}, {})
+    assert near == "all 1 dimensions within their tolerances; the mechanism file has them as fitted"
+    assert dimensions({}, {}) == ""

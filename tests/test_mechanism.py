@@ -438,3 +438,10 @@ def test_a_link_stays_a_link(tmp_path: Path) -> None:
     write_whole(tmp_path / "link", "new")
     assert (tmp_path / "file").read_text() == "new"
     assert (tmp_path / "link").is_symlink()
+
+
+def test_remarks_stand_at_the_top_and_change_nothing(tmp_path):
+    path = tmp_path / "neck.toml"
+    FULL.to_toml(path, ["from run.csv", "two\nlines = 1"])
+    assert path.read_text(encoding="utf-8").splitlines()[1:3] == ["# from run.csv", "# two lines = 1"]
+    assert Mechanism.from_toml(path) == FULL

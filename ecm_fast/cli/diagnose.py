@@ -122,7 +122,7 @@ def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
     found = diagnose(neck, **common, test=tests, progress=waiting)
     said = found.to_json_dict()
     path = folder(args.out or "out") / "mechanism.toml"
-    found.mechanism.to_toml(path)
+    found.mechanism.to_toml(path, _origin(found, args))
     waiting("what to measure next")
     further, page = _next(neck, said, common), _page_path(args)
     answer = {
@@ -143,7 +143,13 @@ def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
         finally:
             waiting.end()
 
-    return Answer(answer, _text(found), notes, code, None if page is None else partial(draw, page))
+    return Answer(answer, _text(found, neck), notes, code, None if page is None else partial(draw, page))
+
+
+def _origin(found: "Diagnosis", args: argparse.Namespace) -> list[str]:
+    """Return what a mechanism file should say of where its numbers come from."""
+    fitted = ", ".join((*found.calibration, *found.dimensions))
+    return [f"From ecm-fast diagnose {' '.join(args.data)}: {found.sentence}", f"Fitted, too: {fitted}."]
 
 
 def _noticed(neck: "Mechanism", data: "list[Measurements]") -> list[str]:
@@ -210,7 +216,7 @@ def _inputs(args: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _text(found: "Diagnosis") -> str:
+def _text(found: "Diagnosis", neck: "Mechanism") -> str:
     from ..diagnosis.claim_words import MIRRORS, alike, dimensions, meaning, next_best, size
 
     lines = [f"{found.verdict}: {found.sentence}"]
@@ -220,7 +226,7 @@ def _text(found: "Diagnosis") -> str:
                   f"  look-alikes: {alike(found.models, found.names, claim) or 'none'}"]  # fmt: skip
     lines += [f"  {text}" for text in [next_best(found.models, found.names)] if text]
     lines += [f"{name} {estimate}" for name, estimate in found.calibration.items()]
-    lines += [text for text in [dimensions(found.dimensions)] if text]
+    lines += [text for text in [dimensions(found.dimensions, neck.effects)] if text]
     lines += _gap_lines(found)
     if found.verdict == "nothing_found":
         smallest = sorted((s for s in found.sights if isfinite(s.smallest)), key=lambda s: s.smallest / s.typical)
@@ -231,8 +237,7 @@ def _text(found: "Diagnosis") -> str:
 
 def _gap_lines(found: "Diagnosis") -> list[str]:
     words = {
-        "given": "as given",
-        "before": f"before ({', '.join(found.calibration)} and dimensions fitted alone)",
+        "calibrated alone": f"calibrated alone ({', '.join(found.calibration)} and dimensions fitted, no effect)",
         "floor": "floor (noise of camera and forces)",
     }
     stages = found.gap.stages if found.gap else {}
@@ -241,11 +246,11 @@ def _gap_lines(found: "Diagnosis") -> list[str]:
         f"{rows}, {words.get(name, name)}: x {1e3 * rms.x:.3g} mm, z {1e3 * rms.z:.3g} mm, "
         f"theta {1e3 * rms.theta:.3g} mrad, {rms.sigma:.3g} sigma"
         for name, rms in stages.items()
-        if found.effects or name != "after"
+        if found.effects or name != "with what was found"
     ]
     return lines + [
-        f"never fitted, {gap.what}: {gap.given.sigma:.3g} sigma as given, {gap.before.sigma:.3g} before, "
-        f"{gap.after.sigma:.3g} after; allowed {gap.allowed:.3g}"
+        f"never fitted, {gap.what}: {gap.given.sigma:.3g} sigma as given, {gap.before.sigma:.3g} calibrated alone, "
+        f"{gap.after.sigma:.3g} with what was found; allowed {gap.allowed:.3g}"
         for gap in found.transfer
     ]
 

@@ -58,7 +58,7 @@ def _run(args: argparse.Namespace) -> Answer:
     known = [value or least for value, least in zip(sigma, (1e-4, 1e-4, 1e-3), strict=True)]
     found = next_loads(rivals, data, sigma=known, force_sigma=force, minutes=args.minutes, repeats=args.repeats,
                        priors=priors, pool=pool, first_alone=alone)  # fmt: skip
-    return Answer(found.to_json_dict(), _text(found, alone), (*found.remarks, *saved(args, found.to_json_dict())))
+    return Answer(found.to_json_dict(), _text(found, alone), saved(args, found.to_json_dict()))
 
 
 def _read(path: str) -> dict[str, Any]:
@@ -80,7 +80,9 @@ def _text(found: "NextLoads", alone: bool) -> str:
     first, *rest = found.names
     aim = f"to check {first} against its nearest rivals: {'; '.join(rest)}"
     lines = [aim if alone else f"to tell apart: {'; '.join(found.names)}",
-             f"now at least {found.worst_before:.1f} sigma apart"]  # fmt: skip
+             *found.remarks,
+             f"{'of those that loads here can tell, ' * bool(found.twins)}now at least {found.worst_before:.1f} sigma "
+             "apart"]  # fmt: skip
     for i, entry in enumerate(found.suggestions, start=1):
         loads = ", ".join(f"{name} {value:g}" for name, value in entry.loads.items())
         mount = "" if entry.mount == "nothing" else f", mount: {entry.mount}"
@@ -88,8 +90,12 @@ def _text(found: "NextLoads", alone: bool) -> str:
                      f"then {entry.promised_sigma:.1f} sigma")  # fmt: skip
     if not found.suggestions:
         lines.append(found.why_none)
-    lines += [f"one load with {name}: {sigma:.1f} sigma" for name, sigma in found.alone.items()]
+    lines += [f"the best load alone with {_mounted(name)}: {sigma:.1f} sigma" for name, sigma in found.alone.items()]
     return "\n".join(lines)
+
+
+def _mounted(name: str) -> str:
+    return "nothing mounted" if name == "nothing" else f"mount {name}"
 
 
 COMMAND = Command("which loads to measure next so that look-alikes come apart", _add_arguments, _run)

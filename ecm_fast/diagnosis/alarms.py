@@ -39,10 +39,10 @@ def _priors(found: Found) -> Iterator[str]:
 
 def _away(entry: Quantity, center: float, std: float, wanted: float, doubt: float, off: float) -> str:
     prior, own = (Estimate(value, sd, value, value, entry.unit) for value, sd in ((center, std), (wanted, doubt)))
-    known = f"{off:.1f} standard deviations of both from {prior.rounded}"
+    known = f"{off:.1f} standard deviations, of fit and test together, from {prior.rounded}"
     least = max(entry.lower, 0.0)
     if wanted <= least and entry.key in STIFFNESSES:
-        return f"without any effect no physical {entry.name} fits the data: they want it below {least:g}, {known}"
+        return f"without any effect no physical {entry.name} fits the data: they want it to be none, {known}"
     return f"without any effect the data want {entry.name} = {own.rounded}, {known}"
 
 

@@ -84,7 +84,7 @@ def findings(mechanism: Mechanism, data: Measurements) -> list[Finding]:
     if any(finding.certain for finding in stuck):
         return stuck
     labels = label_findings(mechanism, data)
-    usual = [*_loads(data), *_rows(data), *_columns(data)]
+    usual = [*_order(data), *_loads(data), *_rows(data), *_columns(data)]
     spoiled = any(finding.certain or finding.kind == "unexplained" for finding in labels)
     return [*labels, *stuck, *([] if spoiled else _outliers(mechanism, data)), *usual]
 
@@ -168,6 +168,20 @@ def _rows(data: Measurements) -> list[Finding]:
         return [Finding("many rows", (), f"{count} rows", f"the search goes by {ENOUGH} of them, as many of each "
                         "region of loads as there are; what it finds is fitted to all and judged by all")]  # fmt: skip
     return []
+
+
+def _order(data: Measurements) -> list[Finding]:
+    """Return rows that were measured before the row above them: friction, memory and drift go by the order of rows."""
+    known = np.flatnonzero(np.isfinite(data.t))
+    back = (np.diff(data.t[known]) < 0.0) & (data.session[known][1:] == data.session[known][:-1])
+    late = known[1:][back]
+    if not late.size:
+        return []
+    rows = tuple(int(row) for row in data.rows[late])
+    cure = (
+        "the order of the rows is taken for that of measurement: sort them by t_s, or number the sessions in a column"
+    )
+    return [Finding("order", rows, f"{places(data, rows)}: t_s is less than in the row before", f"{cure} session")]
 
 
 def _columns(data: Measurements) -> list[Finding]:

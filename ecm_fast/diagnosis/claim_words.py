@@ -52,10 +52,21 @@ def _in_unit(value: float, unit: str) -> str:
     return f"{value:.3g}" if unit == "-" else f"{value:.3g} {unit}"
 
 
-def dimensions(moved: Mapping[str, float]) -> str:
-    """Return what calibration made of dimensions; empty where none has a tolerance."""
-    given = ", ".join(f"{name} {_in_unit(value, find(name).unit)}" for name, value in moved.items())
-    return f"dimensions, within their tolerances: {given}" if given else ""
+def dimensions(fitted: Mapping[str, float], given: Mapping[str, float]) -> str:
+    """Return what the fit made of dimensions that are known within a tolerance; empty where there are none.
+
+    fitted, given : by name, in the mechanism that was found and in the one that was given
+    """
+    if not fitted:
+        return ""
+    moves = {name: value - given.get(name, 0.0) for name, value in fitted.items()}
+    far = {name: move for name, move in moves.items() if abs(move) > find(name).tolerance}
+    if not far:
+        return f"all {len(fitted)} dimensions within their tolerances; the mechanism file has them as fitted"
+    listed = ", ".join(
+        f"{name} by {_in_unit(move, find(name).unit)} of {find(name).tolerance:g}" for name, move in far.items()
+    )
+    return f"dimensions that the fit moves by more than a tolerance: {listed}; the mechanism file has them so"
 
 
 def next_best(models: Sequence[Model], names: Sequence[str]) -> str:

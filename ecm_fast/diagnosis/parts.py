@@ -208,9 +208,10 @@ class Gap:
 
     @property
     def stages(self) -> dict[str, Rms]:
-        """All root mean squares by a word or two, in the order in which they shrink."""
-        without = {f"without {name}": rms for name, rms in self.without.items()}
-        return {"given": self.given, "before": self.before, **without, "after": self.after, "floor": self.floor}
+        """All root mean squares by a few words for a reader, in the order in which they shrink."""
+        without = {f"fitted without {name}": rms for name, rms in self.without.items()}
+        return {"as given": self.given, "calibrated alone": self.before, **without, "with what was found": self.after,
+                "floor": self.floor}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

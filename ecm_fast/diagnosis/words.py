@@ -40,7 +40,16 @@ def sentence(
     """
     names = [claim.name for claim in effects]
     answer = _answer(verdict, effects, gap, sights, missing, left, only)
-    return " ".join((*not_carried(tests, names), answer, *carried(tests, names)))
+    return " ".join((*not_carried(tests, names), answer, *carried(tests, names), *_left_of(effects, tests)))
+
+
+def _left_of(effects: tuple[Claim, ...], tests: tuple[Transfer, ...]) -> tuple[str, ...]:
+    """Return which of a set of look-alikes the test files leave, where they meet its first name and refute others."""
+    refuted = {name for test in tests for name, left in test.rivals if left > test.allowed}
+    if len(effects) != 1 or not all(test.carries_over for test in tests) or not refuted & set(effects[0].look_alikes):
+        return ()
+    names = [effects[0].name, *(name for name in effects[0].look_alikes if name not in refuted)]
+    return (f"Of the look-alikes {' and '.join(names)} {'are' if names[1:] else 'alone is'} left.",)
 
 
 def _answer(

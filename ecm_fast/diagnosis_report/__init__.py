@@ -78,7 +78,7 @@ def write_diagnosis(
     count = int(found.rows.locked.size)
     drawn = (f"Maps and loops show {MOST} of {count} rows, evenly over the order of measurement.",) * (count > MOST)
     warnings = (*drawn, *notes, *found.warnings, *found.alarms)
-    sections.append(Section("To know before this is used", (*_noise(found), *warnings), _outliers(found)))
+    sections.append(Section("To know before this is used", (*_noise(found, mechanism), *warnings), _outliers(found)))
     return write_report(path, _TITLES[found.verdict], sections)
 
 
@@ -220,16 +220,16 @@ def _sights(found: Diagnosis) -> Table:
     return Table("Every effect of the catalogue in these poses", head, tuple(rows))
 
 
-def _noise(found: Diagnosis) -> tuple[str, ...]:
+def _noise(found: Diagnosis, given: Mechanism) -> tuple[str, ...]:
     noise = found.noise
     x, z, theta = (1e3 * value for value in noise.sigma)
     origin = ", ".join(f"{name} {word}" for name, word in noise.origin.items() if word)
     times = ", ".join(f"{value:.2f}" for value in noise.scale)
+    built = dimensions(found.dimensions, given.effects) or "there are none here"
     return (f"Noise assumed: x {x:.3g} mm, z {z:.3g} mm, θ {theta:.3g} mrad, forces {noise.force:.3g} N ({origin}). "
             f"Each may drift by {DRIFT:g} of it from the first to the last row. "
-            "The build is as drawn within tolerances (ecm-fast effects). "
             f"What is left is {times} times the noise in x, z, θ.",
-            f"The mechanism file has {dimensions(found.dimensions) or 'all dimensions as given'}.")  # fmt: skip
+            f"The build is as drawn within tolerances (ecm-fast effects): {built}.")  # fmt: skip
 
 
 def _outliers(found: Diagnosis) -> tuple[Table, ...]:

@@ -32,18 +32,18 @@ def gap_bar(story: Story) -> Picture | None:
     gaps = ([story.found.gap] if story.found.gap else []) + list(story.found.transfer)
     if not gaps:
         return None
-    colors = {"given": COLORS[4], "before": COLORS[1], "after": COLORS[0], "floor": FAINT}
+    colors = {"as given": COLORS[4], "calibrated alone": COLORS[1], "with what was found": COLORS[0], "floor": FAINT}
     stages = [(gap.what, name, rms) for gap in gaps for name, rms in gap.stages.items()]
     with canvas(7.2, 0.5 + 0.28 * len(stages)) as figure:
         axes = figure.subplots()
         labels, place = [], 0.0
         for what, name, rms in stages:
-            place -= 1.6 if name == "given" else 1.0
+            place -= 1.6 if name == "as given" else 1.0
             axes.barh(place, rms.sigma, 0.8, color=colors.get(name, COLORS[3]))
             low, high = rms.interval
             if np.isfinite([low, high]).all():
                 axes.plot([low, high], [place, place], color="black", linewidth=1.2)
-            labels.append((place, f"{name}, {what}" if name == "given" else name))
+            labels.append((place, f"{name}, {what}" if name == "as given" else name))
         axes.set_yticks(*zip(*labels, strict=True))
         axes.set_xlabel("rms of what is left, in units of the noise")
         axes.grid(True, axis="x")
