@@ -76,3 +76,14 @@ def test_of_two_effects_each_one_closes_its_part_of_the_gap():
                                        LOADS, seed=8), candidates=[other], max_effects=0, priors=MATERIAL)  # fmt: skip
         assert gap.without[name].sigma == pytest.approx(alone.gap.before.sigma, rel=0.2)
     assert found.to_json_dict()["gap"]["without"].keys() == gap.without.keys()
+
+
+@pytest.mark.parametrize("sizes", [(0.1, 4e-4), (0.012, 3e-3)])
+def test_of_two_effects_the_one_that_is_needed_most_comes_first(sizes):
+    """Whatever their order in the catalogue is: 0.1 1/m and 3 mm bend and shift far more than 0.012 1/m and 0.4 mm."""
+    hidden = dict(zip(("precurvature", "marker_lever_x"), sizes, strict=True))
+    found = diagnose(NECK, measure(NECK.replace(**hidden), LOADS, seed=9), candidates=list(hidden), priors=MATERIAL)
+    larger = "precurvature" if sizes[0] > 0.05 else "marker_lever_x"
+    assert set(found.names) == set(hidden)
+    assert found.names[0] == larger
+    assert list(found.gap.without) == list(found.names)

@@ -1,6 +1,6 @@
 """From fits to names: each with its size, interval, look-alikes and chance."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -28,20 +28,20 @@ def _estimate(fit: Fit, i: int, found: Found) -> Estimate:
     return Estimate(value, std, max(value - reach, entry.lower), min(value + reach, entry.upper), entry.unit)
 
 
-def claims(found: Found) -> tuple[Claim, ...]:
-    """Return one claim for every effect of the best explanation."""
+def claims(found: Found, order: Sequence[int]) -> tuple[Claim, ...]:
+    """Return one claim for every effect of the best explanation, whose places come in some order."""
     if not found.effects:
         return ()
     fit, candidates = found.best, found.view.problem.candidates
     models = [model for model in found.models() if len(model.names) == found.effects and model.in_set]
     names = tuple(candidates[i].name for i in fit.model)
     answer = []
-    for place, i in enumerate(fit.model):
+    for i in order:
         candidate = candidates[i]
         keys = {key: fit.keys.index(key) for key in candidate.keys}
         own = {find(key).name: _estimate(fit, at, found) for key, at in keys.items()}
         size = own[find(candidate.keys[0]).name]
-        others, chance = _look_alikes(models, names, place, found)
+        others, chance = _look_alikes(models, names, fit.model.index(i), found)
         answer.append(
             Claim(
                 name=candidate.name,

@@ -35,7 +35,7 @@ class Diagnosis:
     ----------
     verdict : named, family, outside_catalogue, nothing_found or data_gap
     sentence : the same in plain words
-    effects : what was found
+    effects : what was found; of two, first the one without which more is left
     calibration, before : identified parameters with and without what was found
     dimensions, dimensions_before : what the calibrations make of dimensions within their tolerances
     mechanism : with everything that was found

@@ -21,7 +21,7 @@ from .many import search_all
 from .plan_result import Plan
 from .problem import DRIFT, Problem
 from .progress import Progress
-from .refit import refit
+from .refit import Fit, refit
 from .remainder import remainder
 from .result import Diagnosis, Noise, Rows, Transfer
 from .search import Found
@@ -186,9 +186,11 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
     before, after = found.null.state(problem), best.state(problem)
     around = problem.state(problem.keys_of(view.model), view.values)
     weights = problem.weights(view.noise, around)
-    opened = Opened.of(problem, before, after, weights, found.scale, _without_one(found))
+    without = _without_each(found)
+    lacking = {problem.candidates[i].name: fit.state(problem) for i, fit in without.items()}
+    opened = Opened.of(problem, before, after, weights, found.scale, lacking)
     shown_gap, far = gap(problem, opened, problem.locked, "rows set aside", study.seed)
-    effects, missing = claims(found), missing_columns(problem)
+    effects, missing = claims(found, tuple(without) or best.model), missing_columns(problem)
     seen = sights(baseline, study.alpha, study.seed)
     verdict = verdict_of(effects, outside=found.outside, gap_in_data=bool(missing) and view.cleaned.memory > 0.2)
     left = None
@@ -229,14 +231,14 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
     )
 
 
-def _without_one(found: Found) -> dict[str, State]:
-    """Return, by the name of each of two effects, all rows as the other one alone has them, fitted anew."""
-    problem, best = found.view.problem, found.best
+def _without_each(found: Found) -> dict[int, Fit]:
+    """Return, by the place of each of two effects, the fit of the other one alone; the most needed one comes first."""
+    best = found.best
     if len(best.model) < 2:
         return {}
     rest = {i: tuple(other for other in best.model if other != i) for i in best.model}
-    return {problem.candidates[i].name: refit(found.view, other, best.by_key()).state(problem)
-            for i, other in rest.items()}  # fmt: skip
+    fits = {i: refit(found.view, others, best.by_key()) for i, others in rest.items()}
+    return dict(sorted(fits.items(), key=lambda item: -item[1].total))
 
 
 def _by_name(values: Mapping[str, float]) -> dict[str, float]:
