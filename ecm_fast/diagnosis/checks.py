@@ -178,10 +178,9 @@ def _order(data: Measurements) -> list[Finding]:
     if not late.size:
         return []
     rows = tuple(int(row) for row in data.rows[late])
-    cure = (
-        "the order of the rows is taken for that of measurement: sort them by t_s, or number the sessions in a column"
-    )
-    return [Finding("order", rows, f"{places(data, rows)}: t_s is less than in the row before", f"{cure} session")]
+    seen = f"{places(data, rows)}: t_s is less than in the row before"
+    return [Finding("order", rows, seen, "rows are taken to stand in the order of measurement: sort them by t_s, or "
+                    "number the sessions in a column session")]  # fmt: skip
 
 
 def _columns(data: Measurements) -> list[Finding]:

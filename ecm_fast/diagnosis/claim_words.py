@@ -59,14 +59,11 @@ def dimensions(fitted: Mapping[str, float], given: Mapping[str, float]) -> str:
     """
     if not fitted:
         return ""
-    moves = {name: value - given.get(name, 0.0) for name, value in fitted.items()}
-    far = {name: move for name, move in moves.items() if abs(move) > find(name).tolerance}
-    if not far:
-        return f"all {len(fitted)} dimensions within their tolerances; the mechanism file has them as fitted"
-    listed = ", ".join(
-        f"{name} by {_in_unit(move, find(name).unit)} of {find(name).tolerance:g}" for name, move in far.items()
-    )
-    return f"dimensions that the fit moves by more than a tolerance: {listed}; the mechanism file has them so"
+    moves = {find(name): value - given.get(name, 0.0) for name, value in fitted.items()}
+    far = [f"; {entry.name} moves by {_in_unit(move, entry.unit)}, its tolerance is {entry.tolerance:g}"
+           for entry, move in moves.items() if abs(move) > entry.tolerance]  # fmt: skip
+    within = f"dimensions within their tolerances: {len(moves) - len(far)} of {len(moves)}"
+    return f"{within}; the mechanism file has them as fitted{''.join(far)}"
 
 
 def next_best(models: Sequence[Model], names: Sequence[str]) -> str:

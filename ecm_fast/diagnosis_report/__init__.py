@@ -225,11 +225,11 @@ def _noise(found: Diagnosis, given: Mechanism) -> tuple[str, ...]:
     x, z, theta = (1e3 * value for value in noise.sigma)
     origin = ", ".join(f"{name} {word}" for name, word in noise.origin.items() if word)
     times = ", ".join(f"{value:.2f}" for value in noise.scale)
-    built = dimensions(found.dimensions, given.effects) or "there are none here"
+    built = dimensions(found.dimensions, given.effects) or "none is given here"
     return (f"Noise assumed: x {x:.3g} mm, z {z:.3g} mm, θ {theta:.3g} mrad, forces {noise.force:.3g} N ({origin}). "
             f"Each may drift by {DRIFT:g} of it from the first to the last row. "
             f"What is left is {times} times the noise in x, z, θ.",
-            f"The build is as drawn within tolerances (ecm-fast effects): {built}.")  # fmt: skip
+            f"The build may be off by its tolerances (ecm-fast effects); {built}.")  # fmt: skip
 
 
 def _outliers(found: Diagnosis) -> tuple[Table, ...]:

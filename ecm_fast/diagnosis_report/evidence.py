@@ -55,9 +55,9 @@ def gap_bar(story: Story) -> Picture | None:
         "upper": [rms.interval[1] for _, _, rms in stages],
     }
     caption = (
-        "The gap in rows that no step of the diagnosis has seen: of the mechanism as given, of the calibrated one, "
+        "The gap in rows that no step of the diagnosis has seen: of the mechanism as given, calibrated alone, with "
+        "what was found, and what noise leaves; black: interval from resampled blocks of rows."
     )
-    caption += "of the one with what was found, and what noise leaves; black: interval from resampled blocks of rows."
     return Picture("gap", caption, figure, columns)
 
 
