@@ -4,7 +4,8 @@ import pytest
 
 from ecm_fast import Mechanism, diagnose
 from ecm_fast.diagnosis.alarms import _away
-from ecm_fast.diagnosis.doubts import stiffness_doubts
+from ecm_fast.diagnosis.doubts import size_doubts, stiffness_doubts
+from ecm_fast.diagnosis.parts import Claim
 from ecm_fast.identification_result import Estimate
 from ecm_fast.parameters import find
 from ecm_fast.testbed import measure, tendon_test
@@ -61,3 +62,14 @@ def test_a_negative_stiffness_is_never_wanted(wanted, said) -> None:
 )
 def test_value_and_doubt_have_the_same_digits(value, std, text) -> None:
     assert repr(Estimate(value, std, value, value, "N")) == text
+
+
+def test_a_size_far_beyond_what_is_usual_is_said() -> None:
+    """Typical is a precurvature of 0.2 1/m, on top of what the mechanism is known to have."""
+
+    def found(size):
+        return [Claim("precurvature", {"precurvature": size}, {"precurvature": (size, size)}, (), "odd", "", 9.0, 1.0)]
+
+    (text,) = size_doubts(found(-1.0), NECK)
+    assert text.startswith("precurvature is 5 times as large as is typical")
+    assert size_doubts(found(0.7), NECK) == size_doubts(found(1.0), NECK.replace(precurvature=0.4)) == ()

@@ -1,12 +1,14 @@
-"""What to know beside an answer: stiffnesses in doubt, and a second name that no test asks for."""
+"""What to know beside an answer: stiffnesses in doubt, a second name that no test asks for, sizes beyond what is usual."""
 
 import math
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 
+from ..effects import CATALOGUE
 from ..identification_result import Estimate
 from ..mechanism import Mechanism
+from .parts import Claim
 
-__all__ = ["odds", "stiffness_doubts", "unasked_doubt"]
+__all__ = ["odds", "size_doubts", "stiffness_doubts", "unasked_doubt"]
 
 _CERTAIN = 1e4
 """Odds beyond which their number says nothing more."""
@@ -14,6 +16,8 @@ _LOOSE = 0.15
 """Standard deviation, in shares of the value, beyond which a stiffness is hardly fixed."""
 _FAR, _MUCH = 5.0, 0.03
 """Standard deviations, and shares of the value, by which a stiffness may leave the mechanism file."""
+_UNUSUAL = 4.0
+"""Typical sizes beyond which an effect may stand for another one."""
 
 
 def odds(evidence: float) -> str:
@@ -25,6 +29,18 @@ def odds(evidence: float) -> str:
 def unasked_doubt(name: str, evidence: float) -> str:
     """Return a line where one effect alone passes the tests, though two have so much more evidence."""
     return f"{name} alone passes the tests, too; that there are two effects is {odds(evidence)} times as likely"
+
+
+def size_doubts(claims: Iterable[Claim], mechanism: Mechanism) -> tuple[str, ...]:
+    """Return a line for every effect that is found far larger than it usually is."""
+    lines = list[str]()
+    for claim in claims:
+        entry = CATALOGUE[claim.name].size
+        times = abs(claim.parameters[entry.name] - mechanism.effects.get(entry.name, 0.0)) / entry.typical
+        if times > _UNUSUAL:
+            lines.append(f"{claim.name} is {times:.0f} times as large as is typical: something that is in no catalogue "
+                         "may pass for it")  # fmt: skip
+    return tuple(lines)
 
 
 def stiffness_doubts(

@@ -15,7 +15,7 @@ from ..parameters import find
 from .alarms import alarms
 from .candidates import chosen, uncertain_parameters
 from .claims import claims, estimates
-from .doubts import stiffness_doubts
+from .doubts import size_doubts, stiffness_doubts
 from .gap import Opened, gap
 from .many import search_all
 from .plan_result import Plan
@@ -223,6 +223,7 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
             *not_carried(tests, [claim.name for claim in effects]),
             *found.doubts,
             *nearest(found),
+            *size_doubts(effects, problem.mechanism),
             *stiffness_doubts(calibrated_now, problem.mechanism, {find(name).name for name in study.priors}),
         ),
         alarms=alarms(found),
