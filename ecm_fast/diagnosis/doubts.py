@@ -1,4 +1,4 @@
-"""What to know beside an answer: stiffnesses in doubt, a second name that no test asks for, sizes beyond what is usual."""
+"""What to know beside an answer: stiffnesses in doubt, a second name that no test asks for, sizes beyond the usual."""
 
 import math
 from collections.abc import Container, Iterable, Iterator, Mapping
