@@ -234,6 +234,16 @@ def test_a_second_effect_that_the_evidence_is_for_is_named_though_no_test_asks_f
         assert low < size < high
 
 
+def test_two_bending_laws_whose_sum_has_no_equilibrium_to_start_from_are_found():
+    """The first law alone takes on what the second one does; with that on top the neck of the start would buckle."""
+    hidden = {"bending_one_sided": 0.0259, "bending_amplitude": -0.0198}
+    data, _ = hide(effects=hidden, design="T+S", noise="force", seed=501044113)
+    priors = {"EA": (7500.0, 75.0), "GA": (2420.0, 17.0), "EI": (3.0, 0.009)}
+    found = diagnose(NECK, data, candidates=["bending_cubic", *hidden], priors=priors)
+    assert found.names == tuple(hidden)
+    assert found.gap.after.sigma < 1.25
+
+
 def test_two_rows_that_a_stop_moves_are_no_outliers_wherever_it_is():
     """Two of the open rows bend further to its side than the angle, which nobody expects there."""
     stop = {"effects.contact_stop_one_sided.stiffness": 8.0, "effects.contact_stop_one_sided.angle": 0.36}

@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 _NEAR = 0.05  # standard deviations
 _FEW, _MOST = 4, 12  # solutions of all rows; where these do not do, the law is not smooth in a further parameter
 _FAR = 8.0  # prior standard deviations that a start may be away from none
+_NEARER = (0.5, 0.25)  # shares of the way from the view to a start where the neck has no stable equilibrium, tried next
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,9 +83,8 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit:
     )
     by_shift = np.eye(shifts, p + shifts, p)
     lower, upper = solver.bounds()
-    first = np.array(
-        [start.get(key, float(own)) for key, own in zip(solver.names, problem.start(solver.names), strict=True)]
-    )
+    plain = problem.start(solver.names)
+    first = np.array([start.get(key, float(own)) for key, own in zip(solver.names, plain, strict=True)])
     reach = _FAR * prior.std[calibrated:]
     first[calibrated:] = np.clip(
         first[calibrated:], prior.center[calibrated:] - reach, prior.center[calibrated:] + reach
@@ -92,7 +92,7 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit:
     shift = view.flat(view.hidden)
     whitening, here = view.whitening, view.state.pose[view.rows]
 
-    scales, tried = Scales.of(solver.names, problem.start(solver.names)), 0
+    scales, tried = Scales.of(solver.names, plain), 0
     least = np.inf
 
     def residuals(all_moved: Array) -> tuple[Array, Array] | None:
@@ -111,14 +111,15 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit:
         return np.concatenate([off, own, all_moved[p:]]), by * np.concatenate([slope, np.ones(shifts)])
 
     wide = np.full(shifts, np.inf)
-    begin = np.concatenate([scales.moved(np.clip(first, lower, upper)), np.zeros(shifts)])
+    here_too = np.array([view.values.get(key, float(own)) for key, own in zip(solver.names, plain, strict=True)])
+    none = np.concatenate([here_too[:calibrated], plain[calibrated:]])
+    for values in (first, *(here_too + share * (first - here_too) for share in _NEARER), none):
+        begin, tried = np.concatenate([scales.moved(np.clip(values, lower, upper)), np.zeros(shifts)]), 0
+        if residuals(begin) is not None:
+            break
+    else:
+        return Fit(model, tuple(solver.names), none, np.full((p, p), np.inf), np.inf, -np.inf, settled=False)
     lower, upper = scales.bounds(lower, upper)
-    if residuals(begin) is None:
-        first = problem.start(solver.names)
-        first[:calibrated] = [view.values.get(key, first[i]) for i, key in enumerate(problem.keys)]
-        begin[:p] = scales.moved(first)
-        if residuals(begin) is None:
-            return Fit(model, tuple(solver.names), first, np.full((p, p), np.inf), np.inf, -np.inf, settled=False)
     found = minimize(residuals, begin, np.concatenate([lower, -wide]), np.concatenate([upper, wide]), near=_NEAR)
     return _judged(found, view, model, tuple(solver.names), scales)
 
