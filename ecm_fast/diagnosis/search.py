@@ -316,13 +316,10 @@ def _ranked(fits: list[Fit], view: View) -> list[Fit]:
 
 
 def _start(view: View, model: tuple[int, ...], known: dict[tuple[int, ...], Fit]) -> dict[str, float]:
-    """Return where to start: at the same fit of before, else at what the linear model says.
-
-    A fit that leaves more than one of a part of its effects has failed, and is no place to start from.
-    """
-    part = max((fit for key, fit in known.items() if set(key) < set(model)), key=lambda fit: fit.evidence, default=None)
-    if model in known and (part is None or known[model].total < part.total + _HOPELESS):
+    """Return where to start: at the same fit of before, else at what the linear model says."""
+    if model in known:
         return known[model].by_key()
+    part = max((fit for key, fit in known.items() if set(key) < set(model)), key=lambda fit: fit.evidence, default=None)
     if part is None or not part.model:
         return view.linear_start(model)
     return {**view.linear_start(model), **part.by_key()}
