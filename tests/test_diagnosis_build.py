@@ -1,5 +1,7 @@
 """What is written and how it is proven: dimensions within their tolerances, and the gap stage by stage."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -87,3 +89,26 @@ def test_of_two_effects_the_one_that_is_needed_most_comes_first(sizes):
     assert set(found.names) == set(hidden)
     assert found.names[0] == larger
     assert list(found.gap.without) == list(found.names)
+
+
+def test_what_is_seen_as_a_product_alone_stands_out_and_this_is_said():
+    """Capstan friction is exp(-coefficient wrap): neither number is known well, and yet nothing shows more."""
+    data = measure(NECK.replace(**{"tendon_capstan_friction.coefficient": 0.03}), LOADS, seed=11)
+    found = diagnose(NECK, data, candidates=["tendon_capstan_friction"], priors=MATERIAL)
+    (claim,) = found.effects
+    low, high = claim.interval["tendon_capstan_friction.coefficient"]
+    assert high - low > 0.3 * claim.parameters["tendon_capstan_friction.coefficient"]
+    assert claim.parameters["tendon_capstan_friction.coefficient"] * claim.parameters[
+        "tendon_capstan_friction.wrap"
+    ] == pytest.approx(0.03 * NECK.effects.get("tendon_capstan_friction.wrap", np.pi / 2), rel=0.02)
+    assert claim.sigmas > 100.0
+    assert any("trade off in these data" in text for text in found.warnings)
+
+
+def test_an_answer_whose_noise_is_far_beyond_what_is_declared_says_so():
+    loud = measure(NECK.replace(precurvature=0.3), LOADS, Sensors(camera_sigma=(5e-4, 5e-4, 5e-3)), seed=12)
+    told = replace(loud, sigma_x=loud.sigma_x / 5.0, sigma_z=loud.sigma_z / 5.0, sigma_theta=loud.sigma_theta / 5.0)
+    found, quiet = (diagnose(NECK, data, candidates=["precurvature"], priors=MATERIAL) for data in (told, loud))
+    assert found.names == quiet.names == ("precurvature",)
+    assert any("times as much as the noise that is declared" in text for text in found.warnings)
+    assert not any("declared" in text for text in quiet.warnings)

@@ -52,7 +52,8 @@ def _run(args: argparse.Namespace) -> Answer:
     sigma, force = result["noise"]["sigma"], result["noise"]["force"] or 0.0
     rivals = rivals_of(neck, data, sets, priors=priors, force_sigma=force)
     if len(rivals) < 2:
-        text = f"{rivals[0].name}: nothing to tell apart" if rivals else "no effect was found: nothing to tell apart"
+        why = f"no other explanation came near {rivals[0].name}" if rivals else "no effect was found"
+        text = f"nothing to tell apart: {why}"
         answer: dict[str, Any] = {"set": [rival.name for rival in rivals], "next": []}
         return Answer(answer, text, saved(args, answer))
     known = [value or least for value, least in zip(sigma, (1e-4, 1e-4, 1e-3), strict=True)]

@@ -130,7 +130,14 @@ def _outliers(mechanism: Mechanism, data: Measurements) -> list[Finding]:
     channel = int(np.argmax(size[worst]))
     text = f"{places(data, rows)}: far from rows of similar loads, {data.counted} {data.rows[whole[worst]]} by "
     text += f"{size[worst, channel]:.0f} times the scatter of {_CHANNELS[channel]}"
-    return [Finding("outliers", rows, text, "look at these rows: misread, or loads unlike all others")]
+    return [
+        Finding(
+            "outliers",
+            rows,
+            text,
+            "look at these rows: misread, or loads unlike all others; the fit leaves out what no effect explains",
+        )
+    ]
 
 
 def _loads(data: Measurements) -> list[Finding]:

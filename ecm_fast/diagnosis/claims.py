@@ -1,6 +1,6 @@
 """From fits to names: each with its size, interval, look-alikes and chance."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -28,19 +28,18 @@ def _estimate(fit: Fit, i: int, found: Found) -> Estimate:
     return Estimate(value, std, max(value - reach, entry.lower), min(value + reach, entry.upper), entry.unit)
 
 
-def claims(found: Found, order: Sequence[int]) -> tuple[Claim, ...]:
-    """Return one claim for every effect of the best explanation, whose places come in some order."""
+def claims(found: Found, without: Mapping[int, Fit]) -> tuple[Claim, ...]:
+    """Return one claim for every effect of the best explanation, in the order of the fits without it, by its place."""
     if not found.effects:
         return ()
     fit, candidates = found.best, found.view.problem.candidates
     models = [model for model in found.models() if len(model.names) == found.effects and model.in_set]
     names = tuple(candidates[i].name for i in fit.model)
     answer = []
-    for i in order:
+    for i, rest in without.items():
         candidate = candidates[i]
         keys = {key: fit.keys.index(key) for key in candidate.keys}
         own = {find(key).name: _estimate(fit, at, found) for key, at in keys.items()}
-        size = own[find(candidate.keys[0]).name]
         others, chance = _look_alikes(models, names, fit.model.index(i), found)
         answer.append(
             Claim(
@@ -50,7 +49,7 @@ def claims(found: Found, order: Sequence[int]) -> tuple[Claim, ...]:
                 look_alikes=others,
                 mirror=candidate.effect.mirror,
                 family=candidate.effect.family,
-                sigmas=abs(size.value - candidate.start[0]) / size.std,
+                sigmas=float(np.sqrt(max(rest.total - fit.total, 0.0))),
                 probability=chance,
             )
         )

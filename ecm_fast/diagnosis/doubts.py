@@ -1,14 +1,19 @@
 """What to know beside an answer: stiffnesses in doubt, a second name that no test asks for, sizes beyond the usual."""
 
 import math
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+
+import numpy as np
 
 from ..effects import CATALOGUE
 from ..identification_result import Estimate
 from ..mechanism import Mechanism
+from ..parameters import find
+from .candidates import Candidate
 from .parts import Claim
+from .refit import Fit
 
-__all__ = ["odds", "size_doubts", "stiffness_doubts", "unasked_doubt"]
+__all__ = ["odds", "size_doubts", "stiffness_doubts", "together_doubts", "unasked_doubt"]
 
 _CERTAIN = 1e4
 """Odds beyond which their number says nothing more."""
@@ -18,6 +23,8 @@ _FAR, _MUCH = 5.0, 0.03
 """Standard deviations, and shares of the value, by which a stiffness may leave the mechanism file."""
 _UNUSUAL = 4.0
 """Typical sizes beyond which an effect may stand for another one."""
+_TOGETHER = 0.95
+"""Correlation from which on data see a combination of two parameters of an effect rather than each."""
 
 
 def odds(evidence: float) -> str:
@@ -40,6 +47,21 @@ def size_doubts(claims: Iterable[Claim], mechanism: Mechanism) -> tuple[str, ...
         if times > _UNUSUAL:
             lines.append(f"{claim.name} is {times:.0f} times as large as is typical: something that is in no catalogue "
                          "may pass for it")  # fmt: skip
+    return tuple(lines)
+
+
+def together_doubts(fit: Fit, candidates: Sequence[Candidate]) -> tuple[str, ...]:
+    """Return a line for every effect whose size and further parameter the data do not see apart."""
+    lines, std = list[str](), np.sqrt(np.diag(fit.covariance))
+    for i in fit.model:
+        places = [fit.keys.index(key) for key in candidates[i].keys]
+        size = places[0]
+        for other in places[1:]:
+            correlation = float(fit.covariance[size, other] / (std[size] * std[other]))
+            if abs(correlation) > _TOGETHER:
+                one, two = (find(fit.keys[at]).name for at in (size, other))
+                lines.append(f"{one} and {two} trade off in these data (correlation {correlation:.2f}): what both do "
+                             "together is known far better than each alone")  # fmt: skip
     return tuple(lines)
 
 

@@ -31,7 +31,8 @@ class Claim:
     look_alikes : names that the data cannot tell from this one
     mirror : even, odd, mixed or path
     family : of look-alikes
-    sigmas : how many standard deviations the size is away from 0
+    sigmas : how far it stands out: the root of what the weighted sum of squares gains where it alone is left out and
+        all else is fitted again
     probability : of this name among its look-alikes, if the truth is one of them
     """
 

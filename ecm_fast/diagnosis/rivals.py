@@ -40,7 +40,7 @@ class Rival:
     @property
     def name(self) -> str:
         """Its effects in words."""
-        return " and ".join(self.names) or "no effect"
+        return " with ".join(self.names) or "no effect"
 
 
 def fitted_rivals(

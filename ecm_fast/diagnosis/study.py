@@ -13,9 +13,10 @@ from ..identification_rows import State
 from ..mechanism import Mechanism
 from ..parameters import find
 from .alarms import alarms
+from .astray import louder_than_declared
 from .candidates import chosen, uncertain_parameters
 from .claims import claims, estimates
-from .doubts import size_doubts, stiffness_doubts
+from .doubts import size_doubts, stiffness_doubts, together_doubts
 from .gap import Opened, gap
 from .many import search_all
 from .plan_result import Plan
@@ -187,10 +188,10 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
     around = problem.state(problem.keys_of(view.model), view.values)
     weights = problem.weights(view.noise, around)
     without = _without_each(found)
-    lacking = {problem.candidates[i].name: fit.state(problem) for i, fit in without.items()}
+    lacking = {problem.candidates[i].name: fit.state(problem) for i, fit in without.items() if fit.model}
     opened = Opened.of(problem, before, after, weights, found.scale, lacking)
     shown_gap, far = gap(problem, opened, problem.locked, "rows set aside", study.seed)
-    effects, missing = claims(found, tuple(without) or best.model), missing_columns(problem)
+    effects, missing = claims(found, without), missing_columns(problem)
     seen = sights(baseline, study.alpha, study.seed)
     verdict = verdict_of(effects, outside=found.outside, gap_in_data=bool(missing) and view.cleaned.memory > 0.2)
     left = None
@@ -222,8 +223,10 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
         warnings=(
             *not_carried(tests, [claim.name for claim in effects]),
             *found.doubts,
+            *(louder_than_declared(view) if found.effects else ()),
             *nearest(found),
             *size_doubts(effects, problem.mechanism),
+            *together_doubts(best, problem.candidates),
             *stiffness_doubts(calibrated_now, problem.mechanism, {find(name).name for name in study.priors}),
         ),
         alarms=alarms(found),
@@ -233,12 +236,10 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
 
 
 def _without_each(found: Found) -> dict[int, Fit]:
-    """Return, by the place of each of two effects, the fit of the other one alone; the most needed one comes first."""
+    """Return, by the place of each effect found, the fit of all but it; the most needed one comes first."""
     best = found.best
-    if len(best.model) < 2:
-        return {}
     rest = {i: tuple(other for other in best.model if other != i) for i in best.model}
-    fits = {i: refit(found.view, others, best.by_key()) for i, others in rest.items()}
+    fits = {i: refit(found.view, others, best.by_key()) if others else found.null for i, others in rest.items()}
     return dict(sorted(fits.items(), key=lambda item: -item[1].total))
 
 
