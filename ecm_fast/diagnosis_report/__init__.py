@@ -158,7 +158,7 @@ def _effects(found: Diagnosis) -> Table:
         (_with_unit(name), entry.value, entry.lower, entry.upper, None, "", "", "")
         for name, entry in found.calibration.items()
     ]
-    head = ("parameter", "value", "lower", "upper", "sigma from 0", "mirror", "family", "look-alikes")
+    head = ("parameter", "value", "lower", "upper", "sigma", "mirror", "family", "look-alikes")
     return Table("What was found, with 90 % intervals", head, tuple(rows))
 
 
