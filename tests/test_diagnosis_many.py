@@ -57,10 +57,8 @@ def test_an_effect_that_only_all_rows_show_is_found_and_clean_rows_raise_no_alar
     data = measure(MADE.replace(precurvature=1.3 * smallest), loads, seed=5)
     problem = Study(NECK, data).problem()
     assert search(problem.by(many.evenly(problem, 375)), 0.01, 2, 0).effects == 0
-    answer, every = (
-        diagnose(NECK, data),
-        claims(one := search(problem, 0.01, 2, 0), dict.fromkeys(one.best.model, one.null)),
-    )
+    answer, one = diagnose(NECK, data), search(problem, 0.01, 2, 0)
+    every = claims(one, dict.fromkeys(one.best.model, one.null))
     assert [claim.name for claim in answer.effects] == [claim.name for claim in every] != []
     assert answer.effects[0].look_alikes == every[0].look_alikes
 
