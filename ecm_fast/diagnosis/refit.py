@@ -111,14 +111,14 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit:
         return np.concatenate([off, own, all_moved[p:]]), by * np.concatenate([slope, np.ones(shifts)])
 
     wide = np.full(shifts, np.inf)
-    here_too = np.array([view.values.get(key, float(own)) for key, own in zip(solver.names, plain, strict=True)])
-    none = np.concatenate([here_too[:calibrated], plain[calibrated:]])
-    for values in (first, *(here_too + share * (first - here_too) for share in _NEARER), none):
+    at_view = np.array([view.values.get(key, float(own)) for key, own in zip(solver.names, plain, strict=True)])
+    no_effect = np.concatenate([at_view[:calibrated], plain[calibrated:]])
+    for values in (first, *(at_view + share * (first - at_view) for share in _NEARER), no_effect):
         begin, tried = np.concatenate([scales.moved(np.clip(values, lower, upper)), np.zeros(shifts)]), 0
         if residuals(begin) is not None:
             break
     else:
-        return Fit(model, tuple(solver.names), none, np.full((p, p), np.inf), np.inf, -np.inf, settled=False)
+        return Fit(model, tuple(solver.names), no_effect, np.full((p, p), np.inf), np.inf, -np.inf, settled=False)
     lower, upper = scales.bounds(lower, upper)
     found = minimize(residuals, begin, np.concatenate([lower, -wide]), np.concatenate([upper, wide]), near=_NEAR)
     return _judged(found, view, model, tuple(solver.names), scales)
