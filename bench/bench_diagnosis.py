@@ -3,7 +3,7 @@
     python3 tools/run.py pytest bench/bench_diagnosis.py --benchmark-enable
 
 The goal is 3 s of one core for 300 poses. Every function is called once before it is timed, so that no compilation is
-counted. Error rates are those of one sealed set of every effect; `tools/error_rates.py` makes them by the hundred and
+counted. Error rates are those of one sealed set of every effect; `bench/error_rates.py` makes them by the hundred and
 writes the README's table.
 """
 
@@ -41,7 +41,7 @@ def bench_diagnose(benchmark, rows, what):
 
 @pytest.fixture
 def tool():
-    path = Path(__file__).resolve().parents[1] / "tools" / "error_rates.py"
+    path = Path(__file__).resolve().parent / "error_rates.py"
     spec = importlib.util.spec_from_file_location("error_rates", path)
     sys.modules["error_rates"] = module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

@@ -9,7 +9,8 @@ how many equilibria each solved. Compare within one run only.
 import numpy as np
 import pytest
 
-from ecm_fast import FiniteElementModel, datasets, identify
+from ecm_fast import FiniteElementModel, identify
+from ecm_fast.data import datasets
 
 NAMES = ["EA", "GA", "EI"]
 NECK, DATA = datasets.load("simulated_slender_tendon")

@@ -10,7 +10,7 @@ import pytest
 
 from ecm_fast.kernels._jit import call_kernel
 from ecm_fast.kernels.polynomial import exponents
-from ecm_fast.multivariate import Polynomial
+from ecm_fast.models.polynomial.multivariate import Polynomial
 
 N = 4096
 

@@ -10,7 +10,7 @@ import pytest
 from scipy.linalg import solve_banded
 
 import ecm_fast as ecm
-from ecm_fast import reference
+from ecm_fast.models import reference
 
 NECK = ecm.Mechanism.preset("slender")
 LOADS = np.random.default_rng(2026).uniform(0.0, 160.0, (4096, 2))

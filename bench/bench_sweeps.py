@@ -13,9 +13,9 @@ import pytest
 
 import ecm_fast as ecm
 from ecm_fast.files import write_whole
-from ecm_fast.parameters import index, pack
-from ecm_fast.sweeps.chunk import solve
-from ecm_fast.sweeps.shard import encode
+from ecm_fast.mechanism.parameters import index, pack
+from ecm_fast.studies.sweeps.chunk import solve
+from ecm_fast.studies.sweeps.rows_file import encode
 
 pytest.importorskip("pyarrow")
 

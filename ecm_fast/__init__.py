@@ -12,57 +12,64 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .data import Measurements, read_measurements
+    from .data.measurements import Measurements, read_measurements
     from .diagnosis import Diagnosis, Plan, Study, diagnose, plan
-    from .discretization import Discretization
-    from .effects import CATALOGUE, Effect
-    from .element_candidates import Candidate
-    from .element_errors import LoadSet
-    from .element_study import Choice, ElementStudy, choose_discretization, study_elements
-    from .equilibrium import BatchResult, Equilibrium, Status
     from .errors import EcmError, InputError, NotConverged, OutOfRangeWarning, OutOfReach
-    from .hiding import hide
-    from .identification import identify
-    from .identification_result import Estimate, Identification, Profile
-    from .material_tests import CompressionFit, fit_compression, fit_shear
-    from .mechanism import Beam, Effects, Gravity, Head, Mechanism, Tendons
-    from .model import FiniteElementModel
-    from .parameters import PARAMETERS, pack, unpack
-    from .polynomial import ForwardPolynomial, PolynomialModel
-    from .prediction import Prediction, predict
-    from .quantity import Quantity
-    from .sampling import Posterior, posterior
-    from .scoring import Score, score
-    from .sweeps import Sweep, SweepSpec, read_spec, sweep
-    from .training import TrainingSet, WrenchErrors, relative_errors, tip_wrenches, training_poses, training_rows
-    from .truth import Truth
-    from .warm import Warmup, warmup
+    from .identification.identify import identify
+    from .identification.material_tests import CompressionFit, fit_compression, fit_shear
+    from .identification.posterior import Posterior, posterior
+    from .identification.result import Estimate, Identification, Profile
+    from .mechanism.catalogue import CATALOGUE, Effect
+    from .mechanism.mechanism import Beam, Effects, Gravity, Head, Mechanism, Tendons
+    from .mechanism.parameters import PARAMETERS, pack, unpack
+    from .mechanism.quantity import Quantity
+    from .mesh.discretization import Discretization
+    from .models.equilibrium import BatchResult, Equilibrium, Status
+    from .models.finite_element import FiniteElementModel
+    from .models.instruments.prediction import Prediction, predict
+    from .models.polynomial.model import ForwardPolynomial, PolynomialModel
+    from .models.polynomial.training import (
+        TrainingSet,
+        WrenchErrors,
+        relative_errors,
+        tip_wrenches,
+        training_poses,
+        training_rows,
+    )
+    from .studies.elements.candidates import Candidate
+    from .studies.elements.errors import LoadSet
+    from .studies.elements.study import Choice, ElementStudy, choose_discretization, study_elements
+    from .studies.sweeps import Sweep, SweepSpec, read_spec, sweep
+    from .studies.warmup import Warmup, warmup
+    from .testbed.sealed.ground_truth import Truth
+    from .testbed.sealed.hide import hide
+    from .testbed.sealed.score import Score, score
 
 _HOME = {
-    "data": ("Measurements", "read_measurements"),
+    "data.measurements": ("Measurements", "read_measurements"),
     "diagnosis": ("Diagnosis", "Plan", "Study", "diagnose", "plan"),
-    "discretization": ("Discretization",),
-    "effects": ("CATALOGUE", "Effect"),
-    "user_effects": ("effect", "remove_effect"),
-    "element_candidates": ("Candidate",),
-    "element_errors": ("LoadSet",),
-    "element_study": ("Choice", "ElementStudy", "choose_discretization", "study_elements"),
-    "equilibrium": ("BatchResult", "Equilibrium", "Status"),
+    "mesh.discretization": ("Discretization",),
+    "mechanism.catalogue": ("CATALOGUE", "Effect"),
+    "models.user_effects": ("effect", "remove_effect"),
+    "studies.elements.candidates": ("Candidate",),
+    "studies.elements.errors": ("LoadSet",),
+    "studies.elements.study": ("Choice", "ElementStudy", "choose_discretization", "study_elements"),
+    "models.equilibrium": ("BatchResult", "Equilibrium", "Status"),
     "errors": ("EcmError", "InputError", "NotConverged", "OutOfRangeWarning", "OutOfReach"),
-    "hiding": ("hide",),
-    "identification": ("identify",),
-    "identification_result": ("Estimate", "Identification", "Profile"),
-    "material_tests": ("CompressionFit", "fit_compression", "fit_shear"),
-    "mechanism": ("Beam", "Effects", "Gravity", "Head", "Mechanism", "Tendons"),
-    "model": ("FiniteElementModel",),
-    "parameters": ("PARAMETERS", "pack", "unpack"),
-    "polynomial": ("ForwardPolynomial", "PolynomialModel"),
-    "sampling": ("Posterior", "posterior"),
-    "prediction": ("Prediction", "predict"),
-    "quantity": ("Quantity",),
-    "scoring": ("Score", "score"),
-    "sweeps": ("Sweep", "SweepSpec", "read_spec", "sweep"),
-    "training": (
+    "testbed.sealed.hide": ("hide",),
+    "identification.identify": ("identify",),
+    "identification.result": ("Estimate", "Identification", "Profile"),
+    "identification.material_tests": ("CompressionFit", "fit_compression", "fit_shear"),
+    "mechanism.mechanism": ("Beam", "Effects", "Gravity", "Head", "Mechanism", "Tendons"),
+    "models.finite_element": ("FiniteElementModel",),
+    "mechanism.parameters": ("PARAMETERS", "pack", "unpack"),
+    "models.polynomial.model": ("ForwardPolynomial", "PolynomialModel"),
+    "identification.posterior": ("Posterior", "posterior"),
+    "models.instruments.prediction": ("Prediction", "predict"),
+    "mechanism.quantity": ("Quantity",),
+    "testbed.sealed.score": ("Score", "score"),
+    "studies.sweeps": ("Sweep", "SweepSpec", "read_spec", "sweep"),
+    "models.polynomial.training": (
         "TrainingSet",
         "WrenchErrors",
         "relative_errors",
@@ -70,8 +77,8 @@ _HOME = {
         "training_poses",
         "training_rows",
     ),
-    "truth": ("Truth",),
-    "warm": ("Warmup", "warmup"),
+    "testbed.sealed.ground_truth": ("Truth",),
+    "studies.warmup": ("Warmup", "warmup"),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}
 

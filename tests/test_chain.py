@@ -5,11 +5,11 @@ import pytest
 from scipy.optimize import brentq
 
 from ecm_fast import FiniteElementModel, Mechanism, Status
-from ecm_fast.chain import Chain
-from ecm_fast.condensation import columns
-from ecm_fast.kernels.chain import follow_chain
+from ecm_fast.kernels.chain.solve import follow_chain
 from ecm_fast.kernels.layout import H_NEGATIVE, N_LOADS
-from ecm_fast.loads import QUADRATIC
+from ecm_fast.models.loads import QUADRATIC
+from ecm_fast.models.paths.chain import Chain
+from ecm_fast.models.paths.condensed import columns
 
 SLENDER = Mechanism.preset("slender")
 NECKS = {

@@ -15,9 +15,9 @@ import pytest
 
 from ecm_fast import Measurements, cli, predict
 from ecm_fast.cli import main
-from ecm_fast.effects import CATALOGUE
 from ecm_fast.errors import NotConverged
-from ecm_fast.mechanism import Mechanism
+from ecm_fast.mechanism.catalogue import CATALOGUE
+from ecm_fast.mechanism.mechanism import Mechanism
 
 BARE = "[beam]\nmass_per_length = 0.0\n[head]\nmass = 0.0\n"
 
@@ -323,7 +323,7 @@ def test_init_in_a_folder(run: Run) -> None:
 def test_reproduce_gives_one_object_and_reports_progress_on_stderr(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("matplotlib")
     pytest.importorskip("jinja2")
-    from ecm_fast import reproduce
+    from ecm_fast.studies import paper as reproduce
 
     quick = {name: reproduce._PARTS[name] for name in ("steel_cantilever",)}
     monkeypatch.setattr(reproduce, "_PARTS", quick)

@@ -11,7 +11,7 @@ import pytest
 from ecm_fast import Mechanism, identify, read_measurements
 from ecm_fast.cli import main
 
-DATASETS = files("ecm_fast.datasets")
+DATASETS = files("ecm_fast.data.datasets")
 TENDON = str(DATASETS / "simulated_slender_tendon.csv")
 SHEAR = str(DATASETS / "simulated_slender_shear.csv")
 PUSHES = str(DATASETS / "simulated_compression_28mm.csv")

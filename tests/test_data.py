@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ecm_fast.data import Measurements, read_measurements
-from ecm_fast.data_columns import COLUMNS
+from ecm_fast.data.columns import COLUMNS
+from ecm_fast.data.measurements import Measurements, read_measurements
 from ecm_fast.errors import InputError
 
 GOOD = "lam_l_N,lam_r_N,x_mm,z_mm,theta_deg\n40,10,98.5,-12.25,18\n0,0,109,0,0\n"

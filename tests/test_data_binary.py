@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from ecm_fast.data import Measurements, read_measurements
+from ecm_fast.data.measurements import Measurements, read_measurements
 from ecm_fast.errors import InputError
 
 
 def test_nothing_heavy_is_loaded_before_a_file_needs_it() -> None:
     heavy = "{'scipy', 'pyarrow', 'pymatreader', 'h5py', 'numba', 'pandas'}"
-    code = f"import ecm_fast.data, sys; print(*{heavy} & set(sys.modules))"
+    code = f"import ecm_fast.data.measurements, sys; print(*{heavy} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "\n"
 

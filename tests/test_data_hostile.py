@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ecm_fast.data import read_measurements
-from ecm_fast.data_columns import COLUMNS
+from ecm_fast.data.columns import COLUMNS
+from ecm_fast.data.measurements import read_measurements
 from ecm_fast.errors import InputError
 
 NAMES = [name for column in COLUMNS.values() for name in column.names]

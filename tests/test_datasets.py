@@ -6,11 +6,11 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from ecm_fast import datasets
+from ecm_fast.data import datasets
 from ecm_fast.errors import InputError
-from ecm_fast.model import FiniteElementModel
-from ecm_fast.parameters import pack
-from ecm_fast.prediction import predict
+from ecm_fast.mechanism.parameters import pack
+from ecm_fast.models.finite_element import FiniteElementModel
+from ecm_fast.models.instruments.prediction import predict
 
 DEFLECTIONS = [0.089, 0.149, 0.195, 0.227, 0.251, 0.268, 0.281]
 """Measured, [m], Belendez, Neipp & Belendez (2003)."""
@@ -26,8 +26,8 @@ def test_every_dataset_has_its_files_and_says_where_it_comes_from() -> None:
         assert name.startswith("simulated_")
         assert datasets.describe(name).startswith("SIMULATED, nobody measured this.")
     for name in datasets.available():
-        assert (files("ecm_fast.datasets") / f"{name}.csv").is_file()
-        assert (files("ecm_fast.datasets") / f"{name}.toml").is_file()
+        assert (files("ecm_fast.data.datasets") / f"{name}.csv").is_file()
+        assert (files("ecm_fast.data.datasets") / f"{name}.toml").is_file()
     assert "Int. J. Engng Ed. 19 (2003) 885-892" in datasets.describe("steel_cantilever")
     assert "Soft Robotics Lab, ETH Zurich" in datasets.describe("silicone_cantilever")
     assert "NOT made by this program" in datasets.reference_solutions().origin
@@ -115,7 +115,7 @@ def test_the_reference_solutions_are_rows_of_the_tables(table) -> None:
     poses = {(row["x_L"], row["z_L"], row["theta_L_rad"]) for row in table("tendon_equilibria")}
     poses |= {(row["x_L_m"], row["z_L_m"], row["theta_L_rad"]) for row in table("paper_beam_dead_tip_wrench")}
     rounded = {tuple(round(value, 15) for value in pose) for pose in poses}
-    text = (files("ecm_fast.datasets") / "reference_solutions.csv").read_text(encoding="utf-8")
+    text = (files("ecm_fast.data.datasets") / "reference_solutions.csv").read_text(encoding="utf-8")
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     shipped = [tuple(float(row[name]) for name in ("x_m", "z_m", "theta_rad")) for row in csv.DictReader(lines)]
     assert len(set(shipped)) == 22

@@ -6,20 +6,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.separation import beside, standing
 from ecm_fast import Mechanism, diagnose, identify, plan, predict, read_measurements
 from ecm_fast.cli import main
 from ecm_fast.diagnosis import Study
-from ecm_fast.diagnosis.calibration import calibrate
-from ecm_fast.diagnosis.elsewhere import MATERIAL_TESTS
-from ecm_fast.diagnosis.lock import lock
-from ecm_fast.diagnosis.pool import Pool
-from ecm_fast.diagnosis.standing import beside, standing
-from ecm_fast.diagnosis.view import View
-from ecm_fast.effects import CATALOGUE
+from ecm_fast.diagnosis.design.elsewhere import MATERIAL_TESTS
+from ecm_fast.diagnosis.design.load_pool import Pool
+from ecm_fast.diagnosis.problem.holdout import lock
+from ecm_fast.diagnosis.problem.linearization import View
+from ecm_fast.diagnosis.search.calibration import calibrate
 from ecm_fast.errors import InputError
-from ecm_fast.hiding import hide
-from ecm_fast.parameters import find
+from ecm_fast.mechanism.catalogue import CATALOGUE
+from ecm_fast.mechanism.parameters import find
 from ecm_fast.testbed import Sensors, equilibria, measure, readings, shear_test, tendon_test
+from ecm_fast.testbed.sealed.hide import hide
 
 NECK = Mechanism()
 LOADS = tendon_test(grid=9, seed=2)

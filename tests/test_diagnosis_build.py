@@ -7,8 +7,8 @@ import pytest
 
 from ecm_fast import FiniteElementModel, Mechanism
 from ecm_fast.diagnosis import diagnose
-from ecm_fast.effects import CATALOGUE
-from ecm_fast.prediction import predict
+from ecm_fast.mechanism.catalogue import CATALOGUE
+from ecm_fast.models.instruments.prediction import predict
 from ecm_fast.testbed import Sensors, measure, tendon_test
 
 NECK = Mechanism()

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from ecm_fast import datasets
-from ecm_fast.data import Measurements
-from ecm_fast.diagnosis.checks import check, findings
+from ecm_fast.data import datasets
+from ecm_fast.data.measurements import Measurements
+from ecm_fast.diagnosis.checks.checks import check, findings
 from ecm_fast.errors import InputError
-from ecm_fast.mechanism import Mechanism
+from ecm_fast.mechanism.mechanism import Mechanism
 from ecm_fast.testbed import Sensors, in_sequence, measure, shear_test, tendon_test
 
 NECK = Mechanism()

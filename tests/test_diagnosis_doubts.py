@@ -3,11 +3,11 @@
 import pytest
 
 from ecm_fast import Mechanism, diagnose
-from ecm_fast.diagnosis.alarms import _away
-from ecm_fast.diagnosis.doubts import size_doubts, stiffness_doubts
-from ecm_fast.diagnosis.parts import Claim
-from ecm_fast.identification_result import Estimate
-from ecm_fast.parameters import find
+from ecm_fast.diagnosis.answer.alarms import _away
+from ecm_fast.diagnosis.answer.caveats import size_doubts, stiffness_doubts
+from ecm_fast.diagnosis.results.findings import Claim
+from ecm_fast.identification.result import Estimate
+from ecm_fast.mechanism.parameters import find
 from ecm_fast.testbed import measure, tendon_test
 
 NECK = Mechanism()

@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 
 from ecm_fast import Measurements, Mechanism, diagnose
-from ecm_fast.cli import _streams, main
-from ecm_fast.diagnosis import Study, many
-from ecm_fast.diagnosis.claims import claims
-from ecm_fast.diagnosis.search import search
-from ecm_fast.hiding import hide
-from ecm_fast.identification_rows import FitRows
+from ecm_fast.cli import _terminal as _streams
+from ecm_fast.cli import main
+from ecm_fast.diagnosis import Study
+from ecm_fast.diagnosis.answer.claims import claims
+from ecm_fast.diagnosis.search import subsample as many
+from ecm_fast.diagnosis.search.selection import search
+from ecm_fast.identification.rows import FitRows
 from ecm_fast.testbed import Sensors, in_sequence, measure, shear_test, tendon_test
+from ecm_fast.testbed.sealed.hide import hide
 
 NECK = Mechanism()
 MADE = NECK.replace(EA=7600.0, GA=2400.0, EI=2.95)

@@ -6,13 +6,13 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from ecm_fast.data import Measurements
-from ecm_fast.diagnosis.next_loads import Rival, fitted_rivals, in_question, next_loads
-from ecm_fast.diagnosis.pool import Pool
+from ecm_fast.data.measurements import Measurements
+from ecm_fast.diagnosis.design.load_pool import Pool
+from ecm_fast.diagnosis.design.next_loads import Rival, fitted_rivals, in_question, next_loads
 from ecm_fast.errors import InputError
-from ecm_fast.identification import identify
-from ecm_fast.mechanism import Mechanism
-from ecm_fast.prediction import predict
+from ecm_fast.identification.identify import identify
+from ecm_fast.mechanism.mechanism import Mechanism
+from ecm_fast.models.instruments.prediction import predict
 from ecm_fast.testbed import Sensors, measure, tendon_test
 
 NECK = Mechanism()

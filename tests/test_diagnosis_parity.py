@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from ecm_fast.diagnosis.parity import parity
+from ecm_fast.diagnosis.checks.symmetry import parity
 from ecm_fast.errors import InputError
-from ecm_fast.identification import identify
-from ecm_fast.mechanism import Mechanism
-from ecm_fast.prediction import predict
+from ecm_fast.identification.identify import identify
+from ecm_fast.mechanism.mechanism import Mechanism
+from ecm_fast.models.instruments.prediction import predict
 from ecm_fast.testbed import Sensors, equilibria, measure, readings, shear_test, tendon_test
 
 GRID = tendon_test(grid=9, replicated=15, replicates=3, seed=3)

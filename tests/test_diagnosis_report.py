@@ -12,8 +12,8 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("jinja2")
 
 from ecm_fast.cli import main
-from ecm_fast.effects import CATALOGUE
-from ecm_fast.mechanism import Mechanism
+from ecm_fast.mechanism.catalogue import CATALOGUE
+from ecm_fast.mechanism.mechanism import Mechanism
 from ecm_fast.testbed import Sensors, measure, tendon_test
 
 PICTURES = {"gap", "workspace", "residual_maps", "parity", "loops", "wrenches", "evidence", "cosines", "parameters",
@@ -150,7 +150,7 @@ def test_a_page_that_fails_loses_nothing(done, capsys, monkeypatch, tmp_path) ->
     def fail(*_, **__):
         raise RuntimeError("no picture")
 
-    monkeypatch.setattr("ecm_fast.diagnosis_report.write_diagnosis", fail)
+    monkeypatch.setattr("ecm_fast.pages.diagnosis.write_diagnosis", fail)
     words = ["diagnose", str(done.parent / "run.csv"), "--out", str(tmp_path), "--candidates", "stiffness_taper"]
     assert main([*words, "--json"]) == 1
     out, err = capsys.readouterr()

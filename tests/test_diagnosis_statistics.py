@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from scipy import integrate, stats
 
-from ecm_fast.data import Measurements
-from ecm_fast.diagnosis.cleaning import Chain, Cleaned, clean, orthonormal, removal
-from ecm_fast.diagnosis.gates import effects_gate, null_quantile, smooth_gate
-from ecm_fast.diagnosis.linear import Gram
-from ecm_fast.diagnosis.lock import lock
-from ecm_fast.diagnosis.priors import Priors
-from ecm_fast.diagnosis.region import scan
-from ecm_fast.diagnosis.size_prior import size_factor
+from ecm_fast.data.measurements import Measurements
+from ecm_fast.diagnosis.problem.holdout import lock
+from ecm_fast.diagnosis.proof.region import scan
+from ecm_fast.diagnosis.statistics.evidence import Gram
+from ecm_fast.diagnosis.statistics.lack_of_fit import effects_gate, null_quantile, smooth_gate
+from ecm_fast.diagnosis.statistics.priors import Priors
+from ecm_fast.diagnosis.statistics.robust_noise import Chain, Cleaned, clean, orthonormal, removal
+from ecm_fast.diagnosis.statistics.size_prior import size_factor
 
 ALL = np.zeros(3, dtype=bool)
 

@@ -9,10 +9,10 @@ import pytest
 from ecm_fast import Mechanism, diagnose, identify, predict
 from ecm_fast.cli import main
 from ecm_fast.diagnosis import Study
-from ecm_fast.diagnosis.many import search_all
-from ecm_fast.diagnosis.result import Noise
-from ecm_fast.diagnosis.transfer import transfer
-from ecm_fast.diagnosis.transfer_result import allowed
+from ecm_fast.diagnosis.proof.external_validation import transfer
+from ecm_fast.diagnosis.results.diagnosis import Noise
+from ecm_fast.diagnosis.results.external_validation import allowed
+from ecm_fast.diagnosis.search.subsample import search_all
 from ecm_fast.testbed import Sensors, measure, shear_test, tendon_test
 
 NECK = Mechanism()

@@ -3,10 +3,10 @@
 import math
 from dataclasses import replace
 
-from ecm_fast.diagnosis.claim_words import alike, dimensions, meaning, next_best, size
-from ecm_fast.diagnosis.parts import Claim, Gap, Model, Rms
-from ecm_fast.diagnosis.transfer_result import Transfer
-from ecm_fast.diagnosis.words import sentence
+from ecm_fast.diagnosis.answer.claim_words import alike, dimensions, meaning, next_best, size
+from ecm_fast.diagnosis.answer.sentences import sentence
+from ecm_fast.diagnosis.results.external_validation import Transfer
+from ecm_fast.diagnosis.results.findings import Claim, Gap, Model, Rms
 
 NAME = "clamp_rotation_compliance"
 CLAIM = Claim(NAME, {NAME: 0.00152}, {NAME: (0.00143, 0.00161)}, (), "even", "compliance ratio", 28.3, 1.0)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ecm_fast import CATALOGUE, Discretization, FiniteElementModel, Measurements, Mechanism
-from ecm_fast.parameters import index, pack
-from ecm_fast.readings import MeasuringChain
+from ecm_fast.mechanism.parameters import index, pack
+from ecm_fast.models.instruments.measuring_chain import MeasuringChain
 
 NECK = Mechanism.preset("slender")
 EXACT = 1e-13  # Newton's last step squares it

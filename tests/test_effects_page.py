@@ -8,11 +8,11 @@ import pytest
 pytest.importorskip("matplotlib")
 pytest.importorskip("jinja2")
 
-from ecm_fast.catalogue_report import signatures, sweep
 from ecm_fast.cli import main
-from ecm_fast.effects import CATALOGUE
-from ecm_fast.mechanism import Mechanism
-from ecm_fast.prediction import predict
+from ecm_fast.mechanism.catalogue import CATALOGUE
+from ecm_fast.mechanism.mechanism import Mechanism
+from ecm_fast.models.instruments.prediction import predict
+from ecm_fast.pages.catalogue import signatures, sweep
 
 
 def test_patterns_are_differences_of_solves() -> None:

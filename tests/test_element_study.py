@@ -11,11 +11,11 @@ import pytest
 import ecm_fast as ecm
 from ecm_fast import Candidate, InputError, LoadSet, Mechanism, NotConverged
 from ecm_fast.__main__ import main
-from ecm_fast.data import Measurements
-from ecm_fast.element_candidates import candidates, ending_at_jumps, graded, stiffness_jumps
-from ecm_fast.element_errors import Converged, converged, errors, short
-from ecm_fast.element_study import ElementStudy, Measured, choose_discretization, needed, pareto, recommended
-from ecm_fast.element_words import answer
+from ecm_fast.data.measurements import Measurements
+from ecm_fast.studies.elements.answer import answer
+from ecm_fast.studies.elements.candidates import candidates, ending_at_jumps, graded, stiffness_jumps
+from ecm_fast.studies.elements.errors import Converged, converged, errors, short
+from ecm_fast.studies.elements.study import ElementStudy, Measured, choose_discretization, needed, pareto, recommended
 from ecm_fast.testbed import equilibria
 
 # the table: largest |tip error| / L over 60 pairs of tendon forces, by a program that shares no line with this one

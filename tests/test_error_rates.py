@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ecm_fast.hiding import hide
-from ecm_fast.truth import Truth
+from ecm_fast.testbed.sealed.ground_truth import Truth
+from ecm_fast.testbed.sealed.hide import hide
 
 ROOT = Path(__file__).resolve().parents[1]
 WORDS = ("--count", "2", "--designs", "grid2", "--noises", "white", "force", "--materials", "unknown")
@@ -17,7 +17,7 @@ WORDS = ("--count", "2", "--designs", "grid2", "--noises", "white", "force", "--
 
 @pytest.fixture(scope="module")
 def tool():
-    spec = importlib.util.spec_from_file_location("error_rates", ROOT / "tools" / "error_rates.py")
+    spec = importlib.util.spec_from_file_location("error_rates", ROOT / "bench" / "error_rates.py")
     module = importlib.util.module_from_spec(spec)
     sys.modules["error_rates"] = module
     spec.loader.exec_module(module)

@@ -10,11 +10,13 @@ import itertools
 import numpy as np
 import pytest
 
-from ecm_fast import FiniteElementModel, InputError, Mechanism, Status, reference
-from ecm_fast.discretization import Discretization
-from ecm_fast.kernels import layout, prepare, se2, strain, trig
-from ecm_fast.mechanism import EFFECT_QUANTITIES
-from ecm_fast.parameters import pack
+from ecm_fast import FiniteElementModel, InputError, Mechanism, Status
+from ecm_fast.kernels import layout, prepare, trig
+from ecm_fast.kernels.general.elements import se2, strain
+from ecm_fast.mechanism.mechanism import EFFECT_QUANTITIES
+from ecm_fast.mechanism.parameters import pack
+from ecm_fast.mesh.discretization import Discretization
+from ecm_fast.models import reference
 
 KERNELS = {"se2": se2, "strain": strain}
 OTHERS = [("se2", 1, None), ("se2", 1, 3), ("strain", 1, None), ("strain", 2, 2), ("strain", 3, None), ("strain", 6, 9)]

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from ecm_fast import FiniteElementModel, InputError, Mechanism, Status
-from ecm_fast.batching import WORTH_A_GUESS
-from ecm_fast.condensation import columns
-from ecm_fast.data import Measurements
-from ecm_fast.kernels.condensed import put_load, state_size, straighten
+from ecm_fast.data.measurements import Measurements
+from ecm_fast.kernels.condensed.formulation import put_load, state_size, straighten
 from ecm_fast.kernels.layout import LANES, R_EXTREME, R_PIVOT, R_SIZE, R_THETA, R_X, R_Z
-from ecm_fast.loads import QUADRATIC
-from ecm_fast.parameters import find, index, pack, unpack
+from ecm_fast.mechanism.parameters import find, index, pack, unpack
+from ecm_fast.models.batch import WORTH_A_GUESS
+from ecm_fast.models.loads import QUADRATIC
+from ecm_fast.models.paths.condensed import columns
 from ecm_fast.testbed import equilibria
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -139,7 +139,7 @@ def test_newton_leaves_less_than_the_square_of_its_last_step(preset, load, order
     """
     model, largest = FiniteElementModel(Mechanism.preset(preset), order=order), 0.0
     length, con = model.mechanism.beam.length, model._condensed.con
-    sweep = import_module(f"ecm_fast.kernels.condensed{order}").sweep
+    sweep = import_module(f"ecm_fast.kernels.condensed.order{order}").sweep
     for seed in range(30):
         lam, wrench = cases(load, LANES, seed)
         limit = fast(model, lam, wrench, 1e-13)[0]

@@ -8,11 +8,11 @@ from scipy import stats
 
 from ecm_fast import Mechanism, Truth, hide, read_measurements
 from ecm_fast.__main__ import main
-from ecm_fast.effects import CATALOGUE
 from ecm_fast.errors import InputError
-from ecm_fast.hiding import NOISES, TOLERANCES, conditions, drawn
-from ecm_fast.mechanism import EFFECT_QUANTITIES
+from ecm_fast.mechanism.catalogue import CATALOGUE
+from ecm_fast.mechanism.mechanism import EFFECT_QUANTITIES
 from ecm_fast.testbed import DESIGNS, OUTSIDE, design, equilibria, laws
+from ecm_fast.testbed.sealed.hide import NOISES, TOLERANCES, conditions, drawn
 
 SIGMA = np.array([1e-4, 1e-4, 1e-3])
 

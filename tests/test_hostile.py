@@ -13,17 +13,17 @@ import pytest
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
-from ecm_fast import reference
 from ecm_fast.cli import main
-from ecm_fast.discretization import Discretization
-from ecm_fast.equilibrium import Equilibrium, Status
 from ecm_fast.errors import InputError
-from ecm_fast.kernels.newton import MAX_ITERATIONS, MAX_LOAD_STEPS
-from ecm_fast.mechanism import AXIAL_LAWS, SECTIONS, Mechanism
-from ecm_fast.mechanism_file import read_mechanism, write_mechanism
-from ecm_fast.model import FiniteElementModel
-from ecm_fast.parameters import PARAMETERS, find, pack, unpack
-from ecm_fast.quantity import Quantity
+from ecm_fast.kernels.general.newton import MAX_ITERATIONS, MAX_LOAD_STEPS
+from ecm_fast.mechanism.mechanism import AXIAL_LAWS, SECTIONS, Mechanism
+from ecm_fast.mechanism.parameters import PARAMETERS, find, pack, unpack
+from ecm_fast.mechanism.quantity import Quantity
+from ecm_fast.mechanism.toml_file import read_mechanism, write_mechanism
+from ecm_fast.mesh.discretization import Discretization
+from ecm_fast.models import reference
+from ecm_fast.models.equilibrium import Equilibrium, Status
+from ecm_fast.models.finite_element import FiniteElementModel
 
 EPS = float(np.finfo(np.float64).eps)
 # one try at full load and two walks of load steps, each with at most so many Newton steps: no load makes a solve hang

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from scipy import integrate, optimize, stats
 
-from ecm_fast import FiniteElementModel, Mechanism, datasets, fit_compression, fit_shear, identify
-from ecm_fast.data import Measurements
+from ecm_fast import FiniteElementModel, Mechanism, fit_compression, fit_shear, identify
+from ecm_fast.data import datasets
+from ecm_fast.data.measurements import Measurements
 from ecm_fast.errors import InputError
-from ecm_fast.least_squares import Loss, minimize
-from ecm_fast.prediction import predict
+from ecm_fast.identification.least_squares import Loss, minimize
+from ecm_fast.models.instruments.prediction import predict
 from ecm_fast.testbed import (
     Sensors,
     compression_test,

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ecm_fast.effects import CATALOGUE
 from ecm_fast.errors import InputError
 from ecm_fast.files import write_whole
-from ecm_fast.mechanism import PRESETS, Beam, Effects, Gravity, Head, Mechanism, Tendons
-from ecm_fast.mechanism_file import read_mechanism, template, write_mechanism
-from ecm_fast.parameters import PARAMETERS, find, index, pack, unpack
+from ecm_fast.mechanism.catalogue import CATALOGUE
+from ecm_fast.mechanism.mechanism import PRESETS, Beam, Effects, Gravity, Head, Mechanism, Tendons
+from ecm_fast.mechanism.parameters import PARAMETERS, find, index, pack, unpack
+from ecm_fast.mechanism.toml_file import read_mechanism, template, write_mechanism
 
 # what the paper states, and what had to be inferred from it or assumed
 THEORY = {
@@ -197,7 +197,7 @@ def test_find_and_index() -> None:
 
 
 def test_a_short_name_that_two_sections_share_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    from ecm_fast import parameters
+    from ecm_fast.mechanism import parameters
 
     shared = {entry.name for entry in PARAMETERS if len(parameters._SHORT[entry.name]) > 1}
     assert shared == {"pulley_radius"}

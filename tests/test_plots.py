@@ -5,16 +5,16 @@ import sys
 import numpy as np
 import pytest
 
-from ecm_fast.data import Measurements
+from ecm_fast.data.measurements import Measurements
 from ecm_fast.errors import InputError
-from ecm_fast.mechanism import Mechanism
-from ecm_fast.model import FiniteElementModel
-from ecm_fast.prediction import predict
+from ecm_fast.mechanism.mechanism import Mechanism
+from ecm_fast.models.finite_element import FiniteElementModel
+from ecm_fast.models.instruments.prediction import predict
 
 pytest.importorskip("matplotlib")
 
-from ecm_fast.plots import plot_residuals, plot_shape, plot_workspace, random_tendon_forces
-from ecm_fast.report import svg
+from ecm_fast.pages.page import svg
+from ecm_fast.pages.plots import plot_residuals, plot_shape, plot_workspace, random_tendon_forces
 
 RADIUS = 0.0055
 

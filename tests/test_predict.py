@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ecm_fast.data import Measurements
+from ecm_fast.data.measurements import Measurements
 from ecm_fast.errors import InputError
 from ecm_fast.files import csv_text
-from ecm_fast.mechanism import Mechanism
-from ecm_fast.model import FiniteElementModel
-from ecm_fast.prediction import predict
+from ecm_fast.mechanism.mechanism import Mechanism
+from ecm_fast.models.finite_element import FiniteElementModel
+from ecm_fast.models.instruments.prediction import predict
 
 SHOOTING = [0.103008552345, 0.0230459870741, -0.436074844694]
 """Pose for (160, 0) N with a head of 1 kg at 0.05 m and a beam of 9.471 kg/m, by shooting, to 12 digits."""

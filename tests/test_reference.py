@@ -10,13 +10,15 @@ from itertools import product
 import numpy as np
 import pytest
 
-from ecm_fast import Discretization, Mechanism, reference
-from ecm_fast.effects import CATALOGUE
-from ecm_fast.kernels import element as element_kernel
-from ecm_fast.kernels import front, layout, prepare, section, tip, trig
+from ecm_fast import Discretization, Mechanism
+from ecm_fast.kernels import layout, prepare, trig
 from ecm_fast.kernels.camera import read_derivatives
-from ecm_fast.mechanism import EFFECT_QUANTITIES
-from ecm_fast.parameters import PARAMETERS, find, index, pack
+from ecm_fast.kernels.general import front, section, tip
+from ecm_fast.kernels.general.elements import lagrange as element_kernel
+from ecm_fast.mechanism.catalogue import CATALOGUE
+from ecm_fast.mechanism.mechanism import EFFECT_QUANTITIES
+from ecm_fast.mechanism.parameters import PARAMETERS, find, index, pack
+from ecm_fast.models import reference
 
 ROUNDING = 1e-13
 LOWER = np.tril_indices(3)

@@ -17,24 +17,24 @@ import pytest
 from scipy.integrate import quad
 
 import ecm_fast as ecm
-from ecm_fast import reproduce as package
 from ecm_fast.errors import InputError
+from ecm_fast.studies import paper as package
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("jinja2")
 
-from ecm_fast.report import Section, Table, write_report
-from ecm_fast.reproduce import SECTIONS, Reproduction, reproduce
-from ecm_fast.reproduce._claim import verdict
-from ecm_fast.reproduce._fit import fitted
-from ecm_fast.reproduce.comparison import comparison
-from ecm_fast.reproduce.kinds import coefficient_count, kinds
-from ecm_fast.reproduce.pose_alone import buckling, holding, pose_alone
-from ecm_fast.reproduce.table1 import hooke_ratio
-from ecm_fast.reproduce.times import times
-from ecm_fast.reproduce.trained import inverse_errors, trained
-from ecm_fast.reproduce.wrenches import wrenches
-from ecm_fast.training import tip_wrenches
+from ecm_fast.models.polynomial.training import tip_wrenches
+from ecm_fast.pages.page import Section, Table, write_report
+from ecm_fast.studies.paper import SECTIONS, Reproduction, reproduce
+from ecm_fast.studies.paper.claims import verdict
+from ecm_fast.studies.paper.fig5_polynomial import wrenches
+from ecm_fast.studies.paper.fig6_comparison import comparison
+from ecm_fast.studies.paper.fig7_section import times
+from ecm_fast.studies.paper.outlook_conservative import coefficient_count, kinds
+from ecm_fast.studies.paper.outlook_measured import inverse_errors, trained
+from ecm_fast.studies.paper.outlook_pose_alone import buckling, holding, pose_alone
+from ecm_fast.studies.paper.table1_fit import fitted
+from ecm_fast.studies.paper.table1_stiffness import hooke_ratio
 
 SMALL = {
     "wrenches": partial(wrenches, draws=2, n=200, tests=60),

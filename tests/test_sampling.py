@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import ecm_fast as ecm
-from ecm_fast import datasets
+from ecm_fast.data import datasets
 from ecm_fast.errors import InputError
-from ecm_fast.sampling import _complaints, posterior
+from ecm_fast.identification.posterior import _complaints, posterior
 
 emcee = pytest.importorskip("emcee", reason="no sampler here: emcee is not installed")
 

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from ecm_fast import Discretization, FiniteElementModel, InputError, Mechanism, Status, reference
+from ecm_fast import Discretization, FiniteElementModel, InputError, Mechanism, Status
+from ecm_fast.kernels.general.sensitivity import pose_sensitivities
 from ecm_fast.kernels.layout import N_LOADS
-from ecm_fast.kernels.sensitivity import pose_sensitivities
-from ecm_fast.parameters import PARAMETERS, find, index, pack, unpack
-from ecm_fast.sensitivity import _FURTHER as LAWS
-from ecm_fast.sensitivity import _work
+from ecm_fast.mechanism.parameters import PARAMETERS, find, index, pack, unpack
+from ecm_fast.models import reference
+from ecm_fast.models.sensitivity import _FURTHER as LAWS
+from ecm_fast.models.sensitivity import _work
 
 ENDS = ("clamp_rotation", "clamp_axial", "clamp_lateral", "plate_joint")
 GIVING_WAY = [index(f"effects.{name}_compliance") for name in ENDS]

@@ -9,8 +9,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import newton, root
 
-from ecm_fast import BatchResult, FiniteElementModel, InputError, Mechanism, NotConverged, Status, reference
-from ecm_fast.parameters import pack
+from ecm_fast import BatchResult, FiniteElementModel, InputError, Mechanism, NotConverged, Status
+from ecm_fast.mechanism.parameters import pack
+from ecm_fast.models import reference
 
 LADDER = {"length": 0.15, "EA": 7500.0, "GA": 2420.0, "EI": 3.0, "g": 0.0}
 LADDER_WRENCH = np.array([-50.0, 40.0, -2.0])

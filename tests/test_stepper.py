@@ -10,7 +10,7 @@ import pytest
 from numba.core.runtime import _nrt_python, rtsys
 
 from ecm_fast import FiniteElementModel, InputError, Mechanism, Status
-from ecm_fast.condensation import Condensation, compiled_step
+from ecm_fast.models.paths.condensed import Condensation, compiled_step
 
 SLENDER = Mechanism.preset("slender")
 PULLEYS = SLENDER.replace(pulley_z=0.0645, **{"tendons.pulley_radius": 0.0055})

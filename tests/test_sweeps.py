@@ -22,11 +22,11 @@ from scipy.stats import qmc
 import ecm_fast as ecm
 from ecm_fast.errors import InputError
 from ecm_fast.files import write_whole
-from ecm_fast.sweeps import read_spec, sweep
-from ecm_fast.sweeps.design import cases
-from ecm_fast.sweeps.engine import TRIES, run
-from ecm_fast.sweeps.parquet import parquet_file
-from ecm_fast.sweeps.statistics import Channel
+from ecm_fast.studies.sweeps import read_spec, sweep
+from ecm_fast.studies.sweeps.parquet import parquet_file
+from ecm_fast.studies.sweeps.sampling import cases
+from ecm_fast.studies.sweeps.scheduler import TRIES, run
+from ecm_fast.studies.sweeps.statistics import Channel
 
 parquet = pytest.importorskip("pyarrow.parquet")
 
@@ -239,7 +239,7 @@ class StoppedError(Exception):
 def test_a_sweep_that_stops_goes_on_and_ends_with_the_same_files(
     keep: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("ecm_fast.sweeps.keeping._CHECKPOINT", 0.0)
+    monkeypatch.setattr("ecm_fast.studies.sweeps.resume._CHECKPOINT", 0.0)
     spec = changed(STRONG, keep=keep)
     sweep(spec, tmp_path / "whole", threads=1)
 

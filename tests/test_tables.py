@@ -10,8 +10,9 @@ the inextensible beam, and the tip is displaced by the integral of n / EA more. 
 import numpy as np
 import pytest
 
-from ecm_fast import FiniteElementModel, Mechanism, Status, reference
-from ecm_fast.parameters import pack
+from ecm_fast import FiniteElementModel, Mechanism, Status
+from ecm_fast.mechanism.parameters import pack
+from ecm_fast.models import reference
 
 TABLE = 1e-11
 STIFF = 1e3

@@ -15,12 +15,13 @@ import numpy as np
 import pytest
 from scipy import integrate, stats
 
-from ecm_fast import Mechanism, datasets
-from ecm_fast.data import Measurements, read_measurements
-from ecm_fast.data_columns import COLUMNS
-from ecm_fast.effects import CATALOGUE
+from ecm_fast import Mechanism
+from ecm_fast.data import datasets
+from ecm_fast.data.columns import COLUMNS
+from ecm_fast.data.measurements import Measurements, read_measurements
 from ecm_fast.errors import InputError
-from ecm_fast.prediction import predict
+from ecm_fast.mechanism.catalogue import CATALOGUE
+from ecm_fast.models.instruments.prediction import predict
 from ecm_fast.testbed import (
     Equilibria,
     Outcome,
@@ -631,7 +632,7 @@ def test_a_row_without_equilibrium_is_blank_in_readings():
 
 @pytest.fixture(scope="module")
 def writer():
-    spec = importlib.util.spec_from_file_location("write_testbed", ROOT / "tools" / "write_testbed.py")
+    spec = importlib.util.spec_from_file_location("make_datasets", ROOT / "tools" / "make_datasets.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

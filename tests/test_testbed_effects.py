@@ -11,9 +11,9 @@ import pytest
 from scipy import integrate
 
 from ecm_fast import Mechanism
-from ecm_fast.data import Measurements
-from ecm_fast.effects import CATALOGUE
+from ecm_fast.data.measurements import Measurements
 from ecm_fast.errors import InputError
+from ecm_fast.mechanism.catalogue import CATALOGUE
 from ecm_fast.testbed import OUTSIDE, Sensors, equilibria, history, laws, measure, section, strong_form
 
 WEIGHTLESS = Mechanism().replace(g=0.0)

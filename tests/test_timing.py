@@ -154,7 +154,7 @@ def test_the_warm_up_says_what_it_did(capsys, tmp_path):
 @pytest.fixture(scope="module")
 def result():
     pytest.importorskip("matplotlib")
-    from ecm_fast.benchmark import fig7
+    from ecm_fast.studies.paper.fig7_times import fig7
 
     return fig7(poses=3, batch=64, rounds=1, threads=2)
 
@@ -213,7 +213,7 @@ def test_the_command_answers_with_settings_rows_times_and_files(capsys, tmp_path
 @pytest.mark.parametrize("name", ["poses", "batch", "threads", "rounds"])
 def test_fig7_refuses_what_it_cannot_count(name):
     pytest.importorskip("matplotlib")
-    from ecm_fast.benchmark import fig7
+    from ecm_fast.studies.paper.fig7_times import fig7
 
     with pytest.raises(InputError, match=rf"^{name} = 0: allowed is a whole number >= 1$"):
         fig7(**{name: 0})
@@ -221,7 +221,7 @@ def test_fig7_refuses_what_it_cannot_count(name):
 
 def test_fig7_refuses_a_neck_that_the_forces_break():
     pytest.importorskip("matplotlib")
-    from ecm_fast.benchmark import fig7
+    from ecm_fast.studies.paper.fig7_times import fig7
 
     with pytest.raises(InputError, match="no stable pose of this neck"):
         fig7(Mechanism().replace(EI=0.02), poses=50)

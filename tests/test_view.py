@@ -21,12 +21,12 @@ import pytest
 from browser import Browser, browser_or_skip
 
 import ecm_fast as ecm
-from ecm_fast.effects import CATALOGUE
 from ecm_fast.errors import InputError
-from ecm_fast.view import Page, Scene
-from ecm_fast.view.controls import LAM_MAX, controls
-from ecm_fast.view.drawing import outline
-from ecm_fast.view.scene import parsed
+from ecm_fast.mechanism.catalogue import CATALOGUE
+from ecm_fast.pages.live import Page, Scene
+from ecm_fast.pages.live.controls import LAM_MAX, controls
+from ecm_fast.pages.live.drawing import outline
+from ecm_fast.pages.live.scene import parsed
 
 NECK = ecm.Mechanism()
 

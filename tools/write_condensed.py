@@ -1,9 +1,9 @@
-"""Write the parts of the fast path that depend on the order, `ecm_fast/kernels/condensed3.py` to `condensed6.py`.
+"""Write the parts of the fast path that depend on the order, `ecm_fast/kernels/condensed/order3.py` to `order6.py`.
 
     python tools/write_condensed.py [--check]
 
 They are written out, without loops, because only then does the compiler vectorize a loop over load cases around them.
-What they compute is stated in `ecm_fast/kernels/condensed.py`; read it here, where the loops still are loops.
+`ecm_fast/kernels/condensed/formulation.py` states what they compute; read it here, where loops still are loops.
 """
 
 import argparse
@@ -11,9 +11,10 @@ import math
 from collections.abc import Iterable
 from pathlib import Path
 
-from ecm_fast.kernels import layout, stepper
+from ecm_fast.kernels import layout
+from ecm_fast.kernels.condensed import control_step as stepper
 
-FOLDER = Path(__file__).resolve().parent.parent / "ecm_fast" / "kernels"
+FOLDER = Path(__file__).resolve().parent.parent / "ecm_fast" / "kernels" / "condensed"
 ORDERS = (3, 4, 5, 6)
 
 HEADER = '''\
@@ -24,10 +25,8 @@ Written by `tools/write_condensed.py`; the formulation is explained in `condense
 
 import numpy as np
 
-from ._jit import array_at, kernel, step_kernel, wide
-from .condensed import MAX_STEPS, collect, condense, judge, nodes_of, put_load, settled, straighten, vouches
-from .condensed_laws import plate, section
-from .layout import (
+from .._jit import array_at, kernel, step_kernel, wide
+from ..layout import (
     CONVERGED,
     LANES,
     NOT_CONVERGED,
@@ -38,9 +37,11 @@ from .layout import (
     R_X,
     R_Z,
 )
-from .prepare import prepare
-from .start import extrapolate, guess, lane_inside, lanes_inside, remember
-from .stepper import rescue, unfold
+from ..prepare import prepare
+from .control_step import rescue, unfold
+from .formulation import MAX_STEPS, collect, condense, judge, nodes_of, put_load, settled, straighten, vouches
+from .initial_guess import extrapolate, guess, lane_inside, lanes_inside, remember
+from .physics import plate, section
 
 __all__ = ["advance", "solve_loads", "solve_mechanisms", "solve_nodes", "sweep", "sweep_mechanisms"]
 
@@ -475,7 +476,7 @@ def main() -> int:
     check = parser.parse_args().check
     stale = 0
     for p in ORDERS:
-        path, text = FOLDER / f"condensed{p}.py", Writer(p).module()
+        path, text = FOLDER / f"order{p}.py", Writer(p).module()
         if check:
             stale += not path.exists() or path.read_text() != text
         else:

@@ -31,9 +31,9 @@ from . import (
     view,
     warmup,
 )
-from ._answer import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED
 from ._arguments import parse
-from ._streams import note, write
+from ._command import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED
+from ._terminal import note, write
 
 __all__ = ["COMMANDS", "main"]
 

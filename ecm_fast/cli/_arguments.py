@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from .. import __version__
 from ..errors import InputError, did_you_mean
-from ._answer import EXIT_CODES, Command
+from ._command import EXIT_CODES, Command
 
 if TYPE_CHECKING:
-    from ..data import Measurements
-    from ..mechanism import Mechanism
+    from ..data.measurements import Measurements
+    from ..mechanism.mechanism import Mechanism
 
 __all__ = [
     "add_model",
@@ -139,7 +139,7 @@ def add_noise(parser: argparse.ArgumentParser) -> None:
 
 def measurements(path: str, args: argparse.Namespace) -> "Measurements":
     """Return the measurements of a file, with the noise that `add_noise` lets be told."""
-    from ..data import read_measurements
+    from ..data.measurements import read_measurements
 
     return read_measurements(path).with_noise(numbers_by_name("--noise", args.noise))
 
@@ -188,6 +188,6 @@ def discretization(args: argparse.Namespace) -> dict[str, Any]:
 
 def mechanism(args: argparse.Namespace) -> "Mechanism":
     """Return the mechanism that the arguments name."""
-    from ..mechanism import Mechanism
+    from ..mechanism.mechanism import Mechanism
 
     return Mechanism.preset() if args.mechanism is None else Mechanism.from_toml(args.mechanism)

@@ -2,9 +2,9 @@
 
 import argparse
 
-from ._answer import IN_OUT, Answer, Command, folder
 from ._arguments import count, mechanism
-from ._streams import note
+from ._command import IN_OUT, Answer, Command, folder
+from ._terminal import note
 
 __all__ = ["COMMAND"]
 
@@ -19,7 +19,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..benchmark import fig7
+    from ..studies.paper.fig7_times import fig7
 
     note("compiling what is not compiled yet, and timing")
     settings = {name: getattr(args, name) for name in ("poses", "seed", "batch", "threads", "rounds")}

@@ -7,15 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ._answer import DONE, Answer, Command, folder, saved
 from ._arguments import EXAMPLES, add_noise, finite_number, measurements, mechanism, numbers_by_name
-from ._streams import Waiting
+from ._command import DONE, Answer, Command, folder, saved
+from ._terminal import Waiting
 
 if TYPE_CHECKING:
-    from ..data import Measurements
+    from ..data.measurements import Measurements
     from ..diagnosis import Diagnosis, Plan
-    from ..diagnosis.next_loads import NextLoads
-    from ..mechanism import Mechanism
+    from ..diagnosis.design.next_loads import NextLoads
+    from ..mechanism.mechanism import Mechanism
 
 __all__ = ["DIAGNOSE", "PLAN", "VERDICT_CODES"]
 
@@ -112,7 +112,7 @@ def _diagnose(args: argparse.Namespace) -> Answer:
 
 def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
     from ..diagnosis import diagnose
-    from ..diagnosis.checks import check
+    from ..diagnosis.checks.checks import check
 
     neck, common, tests = mechanism(args), _common(args), [measurements(path, args) for path in args.test]
     force = {"lam_N": common["force_sigma"]} if (common["force_sigma"] or 0.0) > 0.0 else {}
@@ -154,7 +154,7 @@ def _origin(found: "Diagnosis", args: argparse.Namespace) -> list[str]:
 
 def _noticed(neck: "Mechanism", data: "list[Measurements]") -> list[str]:
     """Return what is noticed about the measurements; few rows are none where there are enough together."""
-    from ..diagnosis.checks import FEW_ROWS, check
+    from ..diagnosis.checks.checks import FEW_ROWS, check
 
     enough = sum(int(part.measured.any(axis=1).sum()) for part in data) >= FEW_ROWS
     return [
@@ -174,7 +174,7 @@ def _page_path(args: argparse.Namespace) -> Path | None:
 
 def _next(neck: "Mechanism", said: dict[str, Any], common: dict[str, Any]) -> "NextLoads | None":
     """Return what would split the look-alikes that are in question, None where there are none."""
-    from ..diagnosis.next_loads import in_question, next_loads, rivals_of
+    from ..diagnosis.design.next_loads import in_question, next_loads, rivals_of
 
     sets, alone = in_question(said["models"], said["transfer"])
     known = {"priors": common["priors"], "force_sigma": said["noise"]["force"]}
@@ -195,8 +195,8 @@ def _page(
 ) -> Path:
     """Write the page; return its path."""
     from ..diagnosis import plan
-    from ..diagnosis.parity import parity
-    from ..diagnosis_report import write_diagnosis
+    from ..diagnosis.checks.symmetry import parity
+    from ..pages.diagnosis import write_diagnosis
 
     shown = plan(neck, **common)
     tests = parity(common["data"][0], found.rows.before) if len(common["data"]) == 1 else None
@@ -217,7 +217,7 @@ def _inputs(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _text(found: "Diagnosis", neck: "Mechanism") -> str:
-    from ..diagnosis.claim_words import MIRRORS, alike, dimensions, meaning, next_best, size
+    from ..diagnosis.answer.claim_words import MIRRORS, alike, dimensions, meaning, next_best, size
 
     lines = [f"{found.verdict}: {found.sentence}"]
     for claim in found.effects:

@@ -4,9 +4,9 @@ import argparse
 from collections.abc import Mapping
 from typing import Any
 
-from ..effects import CATALOGUE, Effect
-from ._answer import Answer, Command, folder, saved
+from ..mechanism.catalogue import CATALOGUE, Effect
 from ._arguments import mechanism
+from ._command import Answer, Command, folder, saved
 
 __all__ = ["COMMAND"]
 
@@ -32,10 +32,10 @@ def _run(args: argparse.Namespace) -> Answer:
 
 def _shown(args: argparse.Namespace, entries: list[dict[str, Any]]) -> tuple[str, ...]:
     """Add to the entries how they show on a mechanism; write the page where a folder is named."""
-    from ..catalogue_report import look_alikes, write_catalogue
-    from ..data import read_measurements
+    from ..data.measurements import read_measurements
     from ..diagnosis import plan
-    from ..report import require
+    from ..pages.catalogue import look_alikes, write_catalogue
+    from ..pages.page import require
     from ..testbed import tendon_test
 
     neck = mechanism(args)

@@ -3,12 +3,12 @@
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from ._answer import IN_OUT, Answer, Command, folder
 from ._arguments import finite_number, mechanism
-from ._streams import note
+from ._command import IN_OUT, Answer, Command, folder
+from ._terminal import note
 
 if TYPE_CHECKING:
-    from ..element_study import ElementStudy
+    from ..studies.elements.study import ElementStudy
 
 __all__ = ["COMMAND"]
 
@@ -34,13 +34,13 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..report import require
+    from ..pages.page import require
 
     require()
     neck, loads = mechanism(args), _loads(args.loads)
     out = folder(args.out or "out")
-    from ..element_report import summary, write_study
-    from ..element_study import study_elements
+    from ..studies.elements.page import summary, write_study
+    from ..studies.elements.study import study_elements
 
     study = study_elements(neck, loads, args.tolerance, family=args.family, progress=note)
     found = {**summary(study), "report": write_study(study, out)}
@@ -48,13 +48,13 @@ def _run(args: argparse.Namespace) -> Answer:
 
 
 def _loads(words: str) -> Any:
-    from ..data import read_measurements
+    from ..data.measurements import read_measurements
 
     return words if words in _DRAWN else read_measurements(words)
 
 
 def _text(study: "ElementStudy") -> str:
-    from ..element_words import answer
+    from ..studies.elements.answer import answer
 
     lines = [f"{len(study.known.loads)} load cases, errors known to {study.known.error:.0e}", "none beats:"]
     lines += [f"    {row.sentence}" for row in study.front]

@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 
 from ..errors import InputError
-from ._answer import IN_OUT, Answer, Command, folder
 from ._arguments import count, finite_number, mechanism
+from ._command import IN_OUT, Answer, Command, folder
 
 __all__ = ["COMMAND"]
 
@@ -49,7 +49,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..hiding import hide
+    from ..testbed.sealed.hide import hide
 
     effects = dict(args.effect)
     if len(effects) < len(args.effect):

@@ -4,11 +4,11 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ._answer import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder
 from ._arguments import add_model, discretization, finite_number, mechanism
+from ._command import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder
 
 if TYPE_CHECKING:
-    from ..identification_result import Identification
+    from ..identification.result import Identification
 
 __all__ = ["COMMAND"]
 
@@ -35,8 +35,8 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..data import read_measurements
-    from ..identification import identify
+    from ..data.measurements import read_measurements
+    from ..identification.identify import identify
 
     neck, data = mechanism(args), [read_measurements(path) for path in args.data]
     chosen: dict[str, Any] = {**discretization(args)}

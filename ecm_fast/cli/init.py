@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 
 from ..errors import InputError
-from ._answer import Answer, Command, folder
+from ._command import Answer, Command, folder
 
 __all__ = ["COMMAND"]
 
@@ -17,11 +17,11 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..mechanism import Mechanism
+    from ..mechanism.mechanism import Mechanism
 
     Mechanism.preset(args.preset)  # complains about the name before the next import brings NumPy
     from ..files import write_whole
-    from ..mechanism_file import template
+    from ..mechanism.toml_file import template
 
     path = Path(args.file) if args.out is None else folder(args.out) / args.file
     if os.path.lexists(path) and not args.force:

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, shown, why
-from ._answer import Answer, Command, saved
 from ._arguments import EXAMPLES, count, finite_number, numbers_by_name
+from ._command import Answer, Command, saved
 
 if TYPE_CHECKING:
-    from ..diagnosis.next_loads import NextLoads
+    from ..diagnosis.design.next_loads import NextLoads
 
 __all__ = ["COMMAND"]
 
@@ -37,10 +37,10 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..data import read_measurements
-    from ..diagnosis.next_loads import Pool, in_question, next_loads, rivals_of
-    from ..diagnosis.pool import ADD_ONS
-    from ..mechanism import Mechanism
+    from ..data.measurements import read_measurements
+    from ..diagnosis.design.load_pool import ADD_ONS
+    from ..diagnosis.design.next_loads import Pool, in_question, next_loads, rivals_of
+    from ..mechanism.mechanism import Mechanism
 
     result = _read(args.result)
     inputs = result["inputs"]

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ._answer import IN_OUT, Answer, Command, folder, saved
 from ._arguments import add_model, count, discretization, finite_number, mechanism
+from ._command import IN_OUT, Answer, Command, folder, saved
 
 if TYPE_CHECKING:
-    from ..polynomial import PolynomialModel
+    from ..models.polynomial.model import PolynomialModel
 
 __all__ = ["EVAL", "FIT"]
 
@@ -34,10 +34,10 @@ def _add_fit_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _fit(args: argparse.Namespace) -> Answer:
-    from ..data import read_measurements
-    from ..model import FiniteElementModel
-    from ..polynomial import PolynomialModel
-    from ..training import TrainingSet, training_poses, training_rows
+    from ..data.measurements import read_measurements
+    from ..models.finite_element import FiniteElementModel
+    from ..models.polynomial.model import PolynomialModel
+    from ..models.polynomial.training import TrainingSet, training_poses, training_rows
 
     model = FiniteElementModel(mechanism(args), **discretization(args))
     known = TrainingSet.empty()
@@ -84,7 +84,7 @@ def _add_eval_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _eval(args: argparse.Namespace) -> Answer:
-    from ..polynomial import PolynomialModel
+    from ..models.polynomial.model import PolynomialModel
 
     if (args.data is None) == (args.pose is None):
         raise InputError("allowed is either DATA or --pose X Z THETA; see ecm-fast polynomial eval --help")
@@ -105,10 +105,10 @@ def _eval_pose(args: argparse.Namespace, poly: "PolynomialModel") -> tuple[dict[
 
 
 def _eval_data(args: argparse.Namespace, poly: "PolynomialModel") -> tuple[dict[str, Any], str, tuple[str, ...]]:
-    from ..data import read_measurements
+    from ..data.measurements import read_measurements
     from ..files import csv_text, write_whole
-    from ..model import FiniteElementModel
-    from ..training import WrenchErrors, measured_wrenches
+    from ..models.finite_element import FiniteElementModel
+    from ..models.polynomial.training import WrenchErrors, measured_wrenches
 
     data = read_measurements(args.data)
     columns = _by_column((*poly.inputs, *poly.outputs), [*data.pose.T, *poly.wrench(data.pose).T])
@@ -129,7 +129,7 @@ def _eval_data(args: argparse.Namespace, poly: "PolynomialModel") -> tuple[dict[
 
 def _by_column(names: Iterable[str], values: Iterable[Any]) -> dict[str, Any]:
     """Return values by the columns of a measurement file, which have the unit in their names."""
-    from ..data_columns import COLUMNS
+    from ..data.columns import COLUMNS
 
     return {COLUMNS[name].names[0]: value for name, value in zip(names, values, strict=True)}
 

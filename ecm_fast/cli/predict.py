@@ -4,11 +4,11 @@ import argparse
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from ._answer import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder
 from ._arguments import add_model, add_noise, discretization, measurements, mechanism
+from ._command import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder
 
 if TYPE_CHECKING:
-    from ..prediction import Prediction
+    from ..models.instruments.prediction import Prediction
 
 __all__ = ["COMMAND"]
 
@@ -24,8 +24,8 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..equilibrium import Status
-    from ..prediction import predict
+    from ..models.equilibrium import Status
+    from ..models.instruments.prediction import predict
 
     neck, data = mechanism(args), measurements(args.data, args)
     path = folder(args.out or "out") / "predicted.csv"

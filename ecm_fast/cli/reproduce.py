@@ -2,9 +2,9 @@
 
 import argparse
 
-from ._answer import IN_OUT, Answer, Command, folder
 from ._arguments import count
-from ._streams import note
+from ._command import IN_OUT, Answer, Command, folder
+from ._terminal import note
 
 __all__ = ["COMMAND"]
 
@@ -17,7 +17,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..reproduce import reproduce
+    from ..studies.paper import reproduce
 
     out = args.out or "out"
     result = reproduce(out, only=args.only, seed=args.seed, progress=note)

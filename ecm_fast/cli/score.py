@@ -3,10 +3,10 @@
 import argparse
 from typing import TYPE_CHECKING
 
-from ._answer import Answer, Command, saved
+from ._command import Answer, Command, saved
 
 if TYPE_CHECKING:
-    from ..scoring import Score
+    from ..testbed.sealed.score import Score
 
 __all__ = ["COMMAND"]
 
@@ -17,7 +17,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..scoring import score
+    from ..testbed.sealed.score import score
 
     grade = score(args.result, args.truth)
     answer = grade.to_json_dict()

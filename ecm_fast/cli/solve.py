@@ -5,8 +5,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ._answer import DONE, NOT_CONVERGED, Answer, Command, saved
 from ._arguments import add_model, discretization, finite_number, mechanism, tension
+from ._command import DONE, NOT_CONVERGED, Answer, Command, saved
 
 __all__ = ["COMMAND"]
 
@@ -27,7 +27,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..model import FiniteElementModel
+    from ..models.finite_element import FiniteElementModel
 
     model = FiniteElementModel(mechanism(args), **discretization(args))
     eq = model.solve(args.tendons, wrench=args.wrench)

@@ -6,9 +6,9 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from ._answer import Answer, Command
 from ._arguments import count
-from ._streams import note, write
+from ._command import Answer, Command
+from ._terminal import note, write
 
 __all__ = ["COMMAND"]
 
@@ -23,7 +23,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..sweeps import sweep
+    from ..studies.sweeps import sweep
 
     progress = _Progress()
     done = sweep(args.spec, args.out or "out/sweep", executor=args.cluster, threads=args.threads, progress=progress)

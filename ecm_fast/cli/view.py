@@ -5,9 +5,9 @@ import signal
 from functools import partial
 from typing import Any
 
-from ._answer import Answer, Command
 from ._arguments import count, mechanism
-from ._streams import note
+from ._command import Answer, Command
+from ._terminal import note
 
 __all__ = ["COMMAND"]
 
@@ -20,8 +20,8 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..data import read_measurements
-    from ..view import Page, Scene
+    from ..data.measurements import read_measurements
+    from ..pages.live import Page, Scene
 
     data = None if args.data is None else read_measurements(args.data)
     make = partial(Scene, mechanism(args), data)

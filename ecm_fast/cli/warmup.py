@@ -3,8 +3,8 @@
 import argparse
 from dataclasses import asdict
 
-from ._answer import Answer, Command, saved
-from ._streams import note
+from ._command import Answer, Command, saved
+from ._terminal import note
 
 __all__ = ["COMMAND"]
 
@@ -17,7 +17,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(args: argparse.Namespace) -> Answer:
     note("loading the compiler")
-    from ..warm import warmup
+    from ..studies.warmup import warmup
 
     done = warmup(everything=args.everything, progress=note)
     kept = "nowhere: set NUMBA_CACHE_DIR" if done.cache is None else f"in {done.cache}"

@@ -1,7 +1,7 @@
 """Finding what the model is missing: where it disagrees with measurements, which effect that is, and the proof."""
 
-from .plan_result import Plan
-from .result import Claim, Diagnosis, Gap, Gate, Model, Remainder, Rms, Rows, Sight, Transfer, Where
+from .results.diagnosis import Claim, Diagnosis, Gap, Gate, Model, Remainder, Rms, Rows, Sight, Transfer, Where
+from .results.plan import Plan
 from .study import Study, diagnose, plan
 
 __all__ = [

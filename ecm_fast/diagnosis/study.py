@@ -7,31 +7,31 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Measurements
+from ..data.measurements import Measurements
 from ..errors import InputError, shown
-from ..identification_rows import State
-from ..mechanism import Mechanism
-from ..parameters import find
-from .alarms import alarms
-from .astray import louder_than_declared
-from .candidates import chosen, uncertain_parameters
-from .claims import claims, estimates
-from .doubts import size_doubts, stiffness_doubts, together_doubts
-from .gap import Opened, gap
-from .many import search_all
-from .plan_result import Plan
-from .problem import DRIFT, Problem
-from .progress import Progress
-from .refit import Fit, refit
-from .remainder import remainder
-from .result import Diagnosis, Noise, Rows, Transfer
-from .search import Found
-from .sights import distances, sights
-from .transfer import transfer
-from .transfer_result import not_carried
-from .view import View
-from .where import compliances, where, wrenches
-from .words import missing_columns, nearest, sentence, verdict_of
+from ..identification.rows import State
+from ..mechanism.mechanism import Mechanism
+from ..mechanism.parameters import find
+from .answer.alarms import alarms
+from .answer.caveats import size_doubts, stiffness_doubts, together_doubts
+from .answer.claims import claims, estimates
+from .answer.sentences import missing_columns, nearest, sentence, verdict_of
+from .design.detectability import distances, sights
+from .problem.candidates import chosen, uncertain_parameters
+from .problem.linearization import View
+from .problem.problem import DRIFT, Problem
+from .problem.progress import Progress
+from .proof.discrepancy import remainder
+from .proof.external_validation import transfer
+from .proof.holdout_error import Opened, gap
+from .proof.localization import compliances, where, wrenches
+from .results.diagnosis import Diagnosis, Noise, Rows, Transfer
+from .results.external_validation import not_carried
+from .results.plan import Plan
+from .search.fit import Fit, refit
+from .search.outliers import louder_than_declared
+from .search.selection import Found
+from .search.subsample import search_all
 
 __all__ = ["Study", "diagnose", "plan"]
 
@@ -97,7 +97,7 @@ class Study:
 
     def plan(self) -> Plan:
         """Return what the loads can tell, whatever will be measured."""
-        from ..prediction import predict
+        from ..models.instruments.prediction import predict
 
         parts = [_blank_filled(part, predict(self.mechanism, part).pose) for part in self._parts(self.data)]
         problem = self.problem(parts)

@@ -49,7 +49,7 @@ def _sources() -> list[Path]:
     package = Path(__file__).resolve().parent.parent
     return sorted(
         path
-        for pattern in ("kernels/*.py", "effects/*.py", "families/*.py", "mechanism.py", "parameters.py", "quantity.py")
+        for pattern in ("kernels/**/*.py", "mechanism/**/*.py", "mesh/families/*.py")
         for path in package.glob(pattern)
     )
 

@@ -1,6 +1,6 @@
 """What a camera makes of the pose of Q: the effects of `effects.camera`, and their derivatives."""
 
-from ..parameters import PLACES as P
+from ..mechanism.parameters import PLACES as P
 from ._jit import kernel
 from .trig import sincos
 

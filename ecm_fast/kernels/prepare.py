@@ -6,8 +6,8 @@ the beam, weights, and every effect that only alters those. Such an effect costs
 
 import numpy as np
 
-from ..effects import FULL_SCALE
-from ..parameters import PLACES as P
+from ..mechanism.catalogue import FULL_SCALE
+from ..mechanism.parameters import PLACES as P
 from . import layout as at
 from ._jit import kernel
 from .trig import sincos

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..data import Measurements
+from ..data.measurements import Measurements
 from . import outside
 from .history import hours
 from .laws import Parameters

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Measurements
+from ..data.measurements import Measurements
 from ..errors import InputError, shown
 from .experiments import in_sequence, table
 

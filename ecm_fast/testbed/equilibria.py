@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Measurements
+from ..data.measurements import Measurements
 from ..errors import InputError
-from ..mechanism import Mechanism
+from ..mechanism.mechanism import Mechanism
 from .history import Past, aged, needs_past, new, tendon_forces
 from .laws import Parameters, Rows, chosen, length, named, plate, tip_wrench
 from .strong_form import differentiated, integrate

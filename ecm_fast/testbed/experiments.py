@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..data import Measurements
-from ..data_columns import COLUMNS
-from ..effects import CATALOGUE
+from ..data.columns import COLUMNS
+from ..data.measurements import Measurements
 from ..errors import InputError, shown
-from ..mechanism import Effects, Mechanism
+from ..mechanism.catalogue import CATALOGUE
+from ..mechanism.mechanism import Effects, Mechanism
 from .laws import named
 from .section import section
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Measurements
+from ..data.measurements import Measurements
 from . import outside
 from .laws import Parameters, length, tendon_lengths
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from ..effects import camera, ends, environment, forces, geometry, path, section
 from ..errors import InputError
-from ..mechanism import EFFECT_QUANTITIES, SECTIONS, Mechanism
+from ..mechanism.catalogue import camera, ends, environment, forces, geometry, path, section
+from ..mechanism.mechanism import EFFECT_QUANTITIES, SECTIONS, Mechanism
 from . import outside
 
 __all__ = [

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data import Measurements
-from ..data_columns import COLUMNS
+from ..data.columns import COLUMNS
+from ..data.measurements import Measurements
 from ..errors import InputError, shown
-from ..mechanism import Mechanism
+from ..mechanism.mechanism import Mechanism
 from .camera import seen
 from .equilibria import Equilibria, equilibria
 from .laws import named

@@ -1,0 +1,1 @@
+"""Measurements: columns, units, file formats, bundled data sets."""

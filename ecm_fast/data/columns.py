@@ -1,0 +1,240 @@
+"""The columns a measurement file may have: the one place where each is declared, with its units and its rules."""
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError, did_you_mean
+
+__all__ = ["COLUMNS", "Column", "column_of", "is_note", "match"]
+
+Units = Mapping[str, tuple[float, float]]
+
+# SI value = value * times / per. Two factors, because 109 / 1000 is the double nearest 0.109 and 109 * 0.001 is not.
+LENGTH: Units = {"m": (1, 1), "cm": (1, 100), "mm": (1, 1000), "um": (1, 1_000_000)}
+ANGLE: Units = {"rad": (1, 1), "mrad": (1, 1000), "deg": (math.pi, 180)}
+FORCE: Units = {"N": (1, 1), "kN": (1000, 1), "mN": (1, 1000)}
+COUPLE: Units = {"Nm": (1, 1), "Nmm": (1, 1000), "kNm": (1000, 1), "mNm": (1, 1000)}
+TIME: Units = {"s": (1, 1), "ms": (1, 1000), "min": (60, 1), "h": (3600, 1)}
+MASS: Units = {"kg": (1, 1), "g": (1, 1000)}
+TEXT: Units = {}
+
+_BLANKS = " \t"
+_LONGEST_LABEL = 100  # labels live in one fixed-width array: a single huge one would cost its length in every row
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One quantity a file may give, row by row.
+
+    Attributes
+    ----------
+    name : the quantity, a field of `Measurements`; in a file a unit suffix follows, e.g. ``x_mm``
+    units : the suffixes and their factors, SI first; empty for text
+    meaning : one line
+    absent : what every row gets when the file has no such column; nan also lets single cells be blank
+    lower : closed lower bound of a value
+    """
+
+    name: str
+    units: Units
+    meaning: str
+    absent: float = math.nan
+    lower: float = -math.inf
+
+    @property
+    def names(self) -> list[str]:
+        """What the column may be called in a file, SI first."""
+        return [f"{self.name}_{unit}" for unit in self.units] or [self.name]
+
+    @property
+    def allowed(self) -> str:
+        """What a cell may hold, in words."""
+        bound = "" if self.lower == -math.inf else f" >= {self.lower:g}"
+        return f"a finite number{bound}{', or a blank' if math.isnan(self.absent) else ''}"
+
+    def numbers(self, cells: Sequence[object], unit: str) -> tuple[NDArray[np.float64], dict[int, str]]:
+        """Return the values in SI, (n,), nan where blank, and for each bad cell what is wrong with it."""
+        times, per = self.units[unit]
+        values, bad = np.full(len(cells), math.nan), {}
+        for i, cell in enumerate(cells):
+            if _is_blank(cell):
+                if not math.isnan(self.absent):
+                    bad[i] = f"blank (allowed is {self.allowed}; write {self.absent:g} for none)"
+                continue
+            value = _plain_number(cell) * times / per
+            if math.isfinite(value) and value >= self.lower:
+                values[i] = value
+            else:
+                comma = isinstance(cell, str) and _DECIMAL_COMMA.fullmatch(cell.strip(_BLANKS))
+                cure = "; decimals are written with a point" if comma else ""
+                bad[i] = f"{_shown(cell)} (allowed is {self.allowed}{cure})"
+        return values, bad
+
+    def labels(self, cells: Sequence[object]) -> tuple[NDArray[np.str_], dict[int, str]]:
+        """Return the cells as text, (n,), empty where blank, and for each bad cell what is wrong with it."""
+        values, bad = [""] * len(cells), {}
+        for i, cell in enumerate(cells):
+            if _is_blank(cell):
+                continue
+            label = _plain_label(cell)
+            if label.isprintable() and 0 < len(label) <= _LONGEST_LABEL:
+                values[i] = label
+            else:
+                bad[i] = f"{_shown(cell)} (allowed is printable text of up to {_LONGEST_LABEL} characters, or a number)"
+        return np.array(values, dtype=np.str_), bad
+
+
+def _is_blank(cell: object) -> bool:
+    return cell is None or (isinstance(cell, str) and not cell.strip(_BLANKS))
+
+
+def _plain_number(cell: object) -> float:
+    """Return the number a cell holds, nan for anything else; `float` alone would take ``1_000`` and other scripts."""
+    if isinstance(cell, str):
+        text = cell.strip(_BLANKS)
+        return float(text) if _NUMBER.fullmatch(text) else math.nan
+    if isinstance(cell, bool) or not isinstance(cell, (int, float, Decimal)):
+        return math.nan
+    try:
+        return float(cell)
+    except (OverflowError, ValueError):  # an integer beyond doubles; a signaling NaN of a decimal
+        return math.inf
+
+
+def _plain_label(cell: object) -> str:
+    """Return a label's text, a whole number without decimals (MATLAB knows no others), nothing for anything else."""
+    if isinstance(cell, str):
+        return cell.strip(_BLANKS)
+    number = _plain_number(cell)
+    if not math.isfinite(number):
+        return ""
+    return str(int(number)) if number == int(number) else repr(number)
+
+
+def _shown(cell: object) -> str:
+    text = repr(cell) if isinstance(cell, str) else " ".join(repr(cell).split())
+    return text if len(text) <= 40 else f"{text[:36]} ..."
+
+
+def _declared(*columns: Column) -> Mapping[str, Column]:
+    return {column.name: column for column in columns}
+
+
+COLUMNS = _declared(
+    Column("lam_l", FORCE, "left tendon's force as read", 0.0, 0.0),
+    Column("lam_r", FORCE, "right tendon's force as read", 0.0, 0.0),
+    Column("fx", FORCE, "external dead force at Q along x", 0.0),
+    Column("fz", FORCE, "external dead force at Q along z", 0.0),
+    Column("tau", COUPLE, "external couple at Q", 0.0),
+    Column("x", LENGTH, "measured place of Q along x"),
+    Column("z", LENGTH, "measured place of Q along z"),
+    Column("theta", ANGLE, "measured angle of the head"),
+    Column("t", TIME, "time stamp"),
+    Column("dwell", TIME, "time the load was held before reading", lower=0.0),
+    Column("extra_mass", MASS, "mass added at the head's center of mass", 0.0, 0.0),
+    Column("tilt", ANGLE, "gravity turned in the plane, its direction -(cos, sin) in (x, z)", 0.0),
+    Column("sigma_x", LENGTH, "known noise of x, one standard deviation", lower=0.0),
+    Column("sigma_z", LENGTH, "known noise of z, one standard deviation", lower=0.0),
+    Column("sigma_theta", ANGLE, "known noise of theta, one standard deviation", lower=0.0),
+    Column("sigma_lam", FORCE, "known noise of both force readings, one standard deviation", lower=0.0),
+    Column("experiment", TEXT, "what was done, e.g. tendon, shear, compression, tilt"),
+    Column("pose_id", TEXT, "rows with the same text repeat one commanded load"),
+    Column("session", TEXT, "the session a row was taken in, text or number"),
+)
+"""Every column by its quantity, in the order of the fields of `Measurements`."""
+
+_ALSO_CALLED = {"time": "t", "angle": "theta", "rotation": "theta", "mass": "extra_mass", "side": "fz", "torque": "tau"}
+_IGNORE = "start its name with note_ to have it ignored"
+
+_SUBJECTS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt", "x", "z", "theta")
+"""A file without any of these says nothing about the neck."""
+
+
+def is_note(name: str) -> bool:
+    """Tell whether a column is the user's own remark, which nobody reads."""
+    return name.lower().startswith("note")
+
+
+def match(names: Iterable[str]) -> list[tuple[Column, str]]:
+    """Return the column and the unit suffix of every name.
+
+    Raises
+    ------
+    InputError : a name is unknown, has no unit or a foreign one, is there twice, or nothing useful is there.
+    """
+    found: dict[str, str] = {}
+    matched, wrong = list[tuple[Column, str]](), list[str]()
+    for place, name in enumerate(names, start=1):
+        try:
+            column, unit = column_of(name, place)
+        except InputError as error:
+            wrong.append(str(error))
+            continue
+        if column.name in found:
+            other = found[column.name]
+            twice = f"column {name!r} is there twice" if other == name else f"columns {other} and {name} give the same"
+            raise InputError(f"{twice}; keep one")
+        found[column.name] = name
+        matched.append((column, unit))
+    if wrong:
+        raise InputError("; ".join([*(text.removesuffix(f"; {_IGNORE}") for text in wrong[:-1]), wrong[-1]]))
+    if not any(name in found for name in _SUBJECTS):
+        needed = ", ".join(COLUMNS[name].names[0] for name in _SUBJECTS)
+        raise InputError(f"gives no load and no pose; at least one of the columns {needed} is needed")
+    return matched
+
+
+def column_of(name: str, place: int = 1) -> tuple[Column, str]:
+    """Return the column that a name means, and its unit suffix.
+
+    Raises
+    ------
+    InputError : the name is unknown, or has no unit or a foreign one.
+    """
+    if not name:
+        raise InputError(f"column {place} has no name; name it or delete it")
+    # The longest quantity that fits: sigma_x_mm is sigma_x in mm.
+    fitting = [column for column in COLUMNS.values() if name == column.name or name.startswith(f"{column.name}_")]
+    column = max(fitting, key=lambda column: len(column.name), default=None)
+    if column and name in column.names:
+        return column, name[len(column.name) + 1 :]
+    if column and column.units:
+        unit = name[len(column.name) + 1 :]
+        wrong = f"{_shown(unit)} is not a unit of {column.name}" if unit else "the unit is missing"
+        raise InputError(f"column {_shown(name)}: {wrong}; allowed are {', '.join(column.names)}, or {_IGNORE}")
+    every = [allowed for column in COLUMNS.values() for allowed in column.names]
+    meant = next((allowed for allowed in every if allowed.lower() == name.lower()), name[:60])
+    known = ", ".join(column.names[0] for column in COLUMNS.values())
+    hint = _tendon(name) or _alike(name) or did_you_mean(meant, every) or f" (known are {known})"
+    raise InputError(f"unknown column {_shown(name)}{hint}; {_IGNORE}")
+
+
+def _alike(name: str) -> str:
+    """Return a hint where a name has a word that people use for a column, and a unit of it."""
+    *words, unit = name.split("_")
+    for word in map(str.lower, words):
+        if word == "sigma":
+            known = [column.names[0] for column in COLUMNS.values() if column.name.startswith("sigma_")]
+            return f" (known are {', '.join(known)})"
+        meant = COLUMNS.get(_ALSO_CALLED.get(word, ""))
+        if meant and unit in meant.units:
+            return f" (did you mean '{meant.name}_{unit}'?)"
+    return ""
+
+
+def _tendon(name: str) -> str:
+    """Return a hint where a name speaks of a left or a right force."""
+    words = name.lower().split("_")
+    side = next((side for side in ("left", "right") if side in words), "")
+    units = {unit.lower() for column in COLUMNS.values() for unit in column.units}
+    if not side or (words[-1] in units and words[-1] not in map(str.lower, FORCE)):
+        return ""
+    return f" (did you mean 'lam_{side[0]}_N'?)"

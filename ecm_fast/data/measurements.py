@@ -1,0 +1,231 @@
+"""Measurements: loads and poses row by row, in SI, checked once, in the order in which they were taken."""
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError, did_you_mean
+from ..files import csv_text, write_whole
+from .columns import COLUMNS, column_of, match
+from .readers import Table, read_table, table_of
+
+__all__ = ["Measurements", "read_measurements"]
+
+Floats = NDArray[np.float64]
+Labels = NDArray[np.str_]
+
+_BAD_CELLS_SHOWN = 5
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Measurements:
+    """What was measured, one entry a row; every array is (n,) and read-only.
+
+    Attributes
+    ----------
+    lam_l, lam_r : [N] tendon force readings, >= 0
+    fx, fz, tau : [N, N, N m] external dead wrench at Q, 0 when the file gives none
+    x, z, theta : [m, m, rad] measured pose of Q, nan where it was not measured
+    t, dwell : [s, s] time stamp and time held before reading, nan where not given
+    extra_mass, tilt : [kg, rad] what was changed on the test bed, 0 when the file gives none
+    sigma_x, sigma_z, sigma_theta, sigma_lam : [m, m, rad, N] known noise, nan where not given
+    experiment, pose_id, session : text, empty where not given
+    rows : what a user calls each record: the line in a text file, else the row
+    columns : names as found in the file, notes left out
+    source : where the measurements come from, for messages
+    counted : "line" or "row", what `rows` counts
+    """
+
+    lam_l: Floats
+    lam_r: Floats
+    fx: Floats
+    fz: Floats
+    tau: Floats
+    x: Floats
+    z: Floats
+    theta: Floats
+    t: Floats
+    dwell: Floats
+    extra_mass: Floats
+    tilt: Floats
+    sigma_x: Floats
+    sigma_z: Floats
+    sigma_theta: Floats
+    sigma_lam: Floats
+    experiment: Labels
+    pose_id: Labels
+    session: Labels
+    rows: NDArray[np.int64]
+    columns: tuple[str, ...]
+    source: str
+    counted: str
+
+    def __post_init__(self) -> None:
+        for name in _ARRAYS:
+            getattr(self, name).setflags(write=False)
+
+    @classmethod
+    def from_columns(cls, columns: Mapping[str, Any], source: str = "measurements") -> Self:
+        """Return measurements from vectors named as the columns of a file, e.g. ``{"lam_l_N": ..., "x_mm": ...}``.
+
+        None, nan and the empty text are blanks.
+
+        Raises
+        ------
+        InputError : as `read_measurements`, with `source` in the place of the file.
+        """
+        try:
+            return cls(**_checked(table_of(columns)), source=source)
+        except InputError as error:
+            raise InputError(f"{source}: {error}") from None
+
+    @property
+    def n(self) -> int:
+        """How many rows there are."""
+        return len(self.rows)
+
+    def __len__(self) -> int:
+        return self.n
+
+    @property
+    def lam(self) -> Floats:
+        """Tendon forces, (n, 2) [N]."""
+        return np.column_stack([self.lam_l, self.lam_r])
+
+    @property
+    def wrench(self) -> Floats:
+        """External dead wrench at Q, (n, 3) [N, N, N m]."""
+        return np.column_stack([self.fx, self.fz, self.tau])
+
+    @property
+    def pose(self) -> Floats:
+        """Measured pose of Q, (n, 3) [m, m, rad], nan where it was not measured."""
+        return np.column_stack([self.x, self.z, self.theta])
+
+    @property
+    def measured(self) -> NDArray[np.bool_]:
+        """Which entries of `pose` were measured, (n, 3)."""
+        return np.isfinite(self.pose)
+
+    def where(self, i: int) -> str:
+        """Return the place of row `i` as a user finds it: ``run.csv: line 7``."""
+        return f"{self.source}: {self.counted} {self.rows[i]}"
+
+    def select(self, which: ArrayLike) -> Self:
+        """Return the rows of a mask (n,) or of a list of indices, in that order; each keeps its place in the file.
+
+        Raises
+        ------
+        InputError : the mask is not as long as the measurements, or an index is beyond them.
+        """
+        places = np.arange(self.n)
+        try:
+            chosen = places[np.asarray(which)] if np.size(which) else places[:0]
+        except IndexError as error:
+            raise InputError(f"{self.source}: cannot select these rows ({error})") from None
+        if chosen.ndim != 1:
+            raise InputError(f"{self.source}: a selection of shape {np.shape(which)}; allowed is a mask of shape "
+                             f"({self.n},) or a list of indices")  # fmt: skip
+        others = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        return type(self)(**{**others, **{name: others[name][chosen] for name in _ARRAYS}})
+
+    def with_noise(self, noise: Mapping[str, float]) -> Self:
+        """Return the same rows with their noise declared where it is not, e.g. ``{"x_mm": 0.1, "lam_N": 0.2}``.
+
+        Raises
+        ------
+        InputError : no column says the noise of that, or a number is not > 0.
+        """
+        changed: dict[str, Any] = {}
+        for name, value in noise.items():
+            try:
+                column, unit = column_of(f"sigma_{name}")
+            except InputError:
+                known = [each.removeprefix("sigma_") for column in COLUMNS.values() for each in column.names
+                         if column.name.startswith("sigma_")]  # fmt: skip
+                hint = did_you_mean(name, known)
+                raise InputError(f"noise of {name}{hint}: allowed are {', '.join(known)}") from None
+            if not 0.0 < value < math.inf:
+                raise InputError(f"noise of {name} = {value!r}: allowed is a number > 0")
+            own = getattr(self, column.name)
+            changed[column.name] = np.where(np.isnan(own), column.numbers([value], unit)[0][0], own)
+        own_columns = (*self.columns, *(f"sigma_{name}" for name in noise if f"sigma_{name}" not in self.columns))
+        return replace(self, **changed, columns=own_columns)
+
+    def to_csv(self, path: str | os.PathLike[str], comment: str = "") -> Path:
+        """Write the rows in SI to the last digit, so that `read_measurements` gives back every entry.
+
+        Columns that hold nothing are left out. `comment` is text for the top of the file.
+
+        Raises
+        ------
+        InputError : there is no row to write, or the file cannot be written.
+        """
+        if not self.n:
+            raise InputError(f"{path}: no rows to write; a measurement file has at least one")
+        remarks = "".join(f"# {line}".rstrip() + "\n" for line in comment.splitlines())
+        return write_whole(path, remarks + csv_text(self._filled()))
+
+    def _filled(self) -> dict[str, NDArray[Any]]:
+        """Return the columns that hold anything, and always the tendon forces, by their names in a file."""
+        filled = {}
+        for name, column in COLUMNS.items():
+            values = getattr(self, name)
+            absent = column.absent if column.units else ""
+            empty = np.isnan(values) if absent != absent else values == absent
+            if name in ("lam_l", "lam_r") or not empty.all():
+                filled[column.names[0]] = values
+        return filled
+
+    def __repr__(self) -> str:
+        poses = int(self.measured.all(axis=1).sum())
+        return f"<Measurements {self.source}: {self.n} rows, {poses} with a whole pose; {', '.join(self.columns)}>"
+
+
+_ARRAYS = (*COLUMNS, "rows")
+
+
+def read_measurements(path: str | os.PathLike[str]) -> Measurements:
+    """Read a measurement file: CSV (.csv, .txt), Parquet (.parquet) or MATLAB (.mat).
+
+    Raises
+    ------
+    InputError : the file cannot be read, or a column or cell is not what it can be; one line with file, line or
+        row, column, the cell's content and what is allowed.
+    """
+    try:
+        return Measurements(**_checked(read_table(path)), source=str(path))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def _checked(table: Table) -> dict[str, Any]:
+    """Return the fields of `Measurements` but its source."""
+    names = tuple(name for name, _ in table.columns)
+    matched = match(names)
+    n = len(table.rows)
+    if n == 0:
+        raise InputError("names columns but holds no rows")
+    arrays: dict[str, Any] = {
+        name: np.full(n, column.absent) if column.units else np.full(n, "") for name, column in COLUMNS.items()
+    }
+    bad: list[tuple[int, str]] = []
+    for (name, cells), (column, unit) in zip(table.columns, matched, strict=True):
+        arrays[column.name], wrong = column.numbers(cells, unit) if unit else column.labels(cells)
+        bad += [(i, f"{table.counted} {table.rows[i]}, column {name}: {text}") for i, text in wrong.items()]
+    if bad:
+        raise InputError(_bad_cells(bad))
+    return {**arrays, "rows": np.array(table.rows, dtype=np.int64), "columns": names, "counted": table.counted}
+
+
+def _bad_cells(bad: list[tuple[int, str]]) -> str:
+    shown = [text for _, text in sorted(bad, key=lambda entry: entry[0])[:_BAD_CELLS_SHOWN]]
+    count = f"{len(bad)} bad cells: " if len(bad) > 1 else ""
+    rest = len(bad) - len(shown)
+    return f"{count}{'; '.join(shown)}{f'; and {rest} more' if rest else ''}"

@@ -1,0 +1,90 @@
+"""What to know beside an answer: stiffnesses in doubt, a second name that no test asks for, sizes beyond the usual."""
+
+import math
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from ...identification.result import Estimate
+from ...mechanism.catalogue import CATALOGUE
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.parameters import find
+from ..problem.candidates import Candidate
+from ..results.findings import Claim
+from ..search.fit import Fit
+
+__all__ = ["odds", "size_doubts", "stiffness_doubts", "together_doubts", "unasked_doubt"]
+
+_CERTAIN = 1e4
+"""Odds beyond which their number says nothing more."""
+_LOOSE = 0.15
+"""Standard deviation, in shares of the value, beyond which a stiffness is hardly fixed."""
+_FAR, _MUCH = 5.0, 0.03
+"""Standard deviations, and shares of the value, by which a stiffness may leave the mechanism file."""
+_UNUSUAL = 4.0
+"""Typical sizes beyond which an effect may stand for another one."""
+_TOGETHER = 0.95
+"""Correlation from which on data see a combination of two parameters of an effect rather than each."""
+
+
+def odds(evidence: float) -> str:
+    """Return the odds of what has so much more evidence, of explanations equally likely before the data speak."""
+    times = math.exp(min(0.5 * evidence, math.log(_CERTAIN)))
+    return f"more than {_CERTAIN:.0f}" if times >= 0.999 * _CERTAIN else f"{times:.0f}"
+
+
+def unasked_doubt(name: str, evidence: float) -> str:
+    """Return a line where one effect alone passes the tests, though two have so much more evidence."""
+    return f"{name} alone passes the tests, too; that there are two effects is {odds(evidence)} times as likely"
+
+
+def size_doubts(claims: Iterable[Claim], mechanism: Mechanism) -> tuple[str, ...]:
+    """Return a line for every effect that is found far larger than it usually is."""
+    lines = list[str]()
+    for claim in claims:
+        entry = CATALOGUE[claim.name].size
+        times = abs(claim.parameters[entry.name] - mechanism.effects.get(entry.name, 0.0)) / entry.typical
+        if times > _UNUSUAL:
+            lines.append(f"{claim.name} is {times:.0f} times as large as is typical: something that is in no catalogue "
+                         "may pass for it")  # fmt: skip
+    return tuple(lines)
+
+
+def together_doubts(fit: Fit, candidates: Sequence[Candidate]) -> tuple[str, ...]:
+    """Return a line for every effect whose size and further parameter the data do not see apart."""
+    lines, std = list[str](), np.sqrt(np.diag(fit.covariance))
+    for i in fit.model:
+        places = [fit.keys.index(key) for key in candidates[i].keys]
+        size = places[0]
+        for other in places[1:]:
+            correlation = float(fit.covariance[size, other] / (std[size] * std[other]))
+            if abs(correlation) > _TOGETHER:
+                one, two = (find(fit.keys[at]).name for at in (size, other))
+                lines.append(f"{one} and {two} trade off in these data (correlation {correlation:.2f}): what both do "
+                             "together is known far better than each alone")  # fmt: skip
+    return tuple(lines)
+
+
+def stiffness_doubts(
+    calibration: Mapping[str, Estimate], mechanism: Mechanism, tested: Container[str] = ()
+) -> tuple[str, ...]:
+    """Return a line for every stiffness of the mechanism that a calibration leaves in doubt.
+
+    tested : those of which material tests say what takes the place of the mechanism file's value
+    """
+    return tuple(_doubts(calibration, mechanism, tested))
+
+
+def _doubts(calibration: Mapping[str, Estimate], mechanism: Mechanism, tested: Container[str]) -> Iterator[str]:
+    for name in ("EA", "GA", "EI"):
+        found, given = calibration[name], float(getattr(mechanism.beam, name))
+        off, share = found.value - given, found.std / found.value
+        own = f"{given:.4g} {found.unit}"
+        if share > _LOOSE:
+            yield (f"these loads fix {name} to no better than {share:.0%}: {found.rounded}, where the mechanism file "
+                   f"has {own}; give what a material test says (--prior {name} VALUE STD), or measure side forces or "
+                   f"other loads")  # fmt: skip
+        elif name not in tested and abs(off) > max(_FAR * found.std, _MUCH * given):
+            yield (f"calibration moves {name} to {found.rounded}, {abs(off) / found.std:.0f} standard deviations "
+                   f"({off / given:+.0%}) from the {own} of the mechanism file: check that number, or what takes its "
+                   f"place")  # fmt: skip

@@ -1,0 +1,81 @@
+"""From fits to names: each with its size, interval, look-alikes and chance."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...identification.identify import _quantile
+from ...identification.result import Estimate
+from ...mechanism.parameters import find
+from ..results.diagnosis import Claim, Model
+from ..search.fit import Fit
+from ..search.selection import Found
+
+__all__ = ["claims", "estimates"]
+
+LEVEL = 0.90
+
+
+def estimates(fit: Fit, found: Found) -> Mapping[str, Estimate]:
+    """Return what calibration moved, by short name, with intervals."""
+    count = len(found.view.problem.keys)
+    return {find(key).name: _estimate(fit, i, found) for i, key in enumerate(fit.keys[:count])}
+
+
+def _estimate(fit: Fit, i: int, found: Found) -> Estimate:
+    entry, value, std = find(fit.keys[i]), float(fit.values[i]), float(np.sqrt(fit.covariance[i, i]))
+    reach = _quantile(LEVEL, found.view.cleaned.dof) * std
+    return Estimate(value, std, max(value - reach, entry.lower), min(value + reach, entry.upper), entry.unit)
+
+
+def claims(found: Found, without: Mapping[int, Fit]) -> tuple[Claim, ...]:
+    """Return one claim for every effect of the best explanation, in the order of the fits without it, by its place."""
+    if not found.effects:
+        return ()
+    fit, candidates = found.best, found.view.problem.candidates
+    models = [model for model in found.models() if len(model.names) == found.effects and model.in_set]
+    names = tuple(candidates[i].name for i in fit.model)
+    answer = []
+    for i, rest in without.items():
+        candidate = candidates[i]
+        keys = {key: fit.keys.index(key) for key in candidate.keys}
+        own = {find(key).name: _estimate(fit, at, found) for key, at in keys.items()}
+        others, chance = _look_alikes(models, names, fit.model.index(i), found)
+        answer.append(
+            Claim(
+                name=candidate.name,
+                parameters={name: entry.value for name, entry in own.items()},
+                interval={name: (entry.lower, entry.upper) for name, entry in own.items()},
+                look_alikes=others,
+                mirror=candidate.effect.mirror,
+                family=candidate.effect.family,
+                sigmas=float(np.sqrt(max(rest.total - fit.total, 0.0))),
+                probability=chance,
+            )
+        )
+    return tuple(answer)
+
+
+def _look_alikes(
+    models: list[Model], names: tuple[str, ...], place: int, found: Found
+) -> tuple[tuple[str, ...], float]:
+    """Return the names that stand in for one of the best explanation, and that one's own chance."""
+    weights = np.exp(-0.5 * np.array([model.behind for model in models]))
+    others, own = list[str](), 0.0
+    for model, weight in zip(models, weights, strict=True):
+        if names[place] in model.names:
+            own += float(weight)
+            continue
+        new = [name for name in model.names if name not in names]
+        stays = [name for name in names if name in model.names]
+        others += new if stays else [_nearest(new, names, place, found)]
+    unique = tuple(dict.fromkeys(name for name in others if name))
+    return unique, own / float(weights.sum())
+
+
+def _nearest(new: list[str], names: tuple[str, ...], place: int, found: Found) -> str:
+    """Return which of two new names stands in for the one at `place`."""
+    place_of = {candidate.name: i for i, candidate in enumerate(found.view.problem.candidates)}
+    cosine = np.abs(found.baseline.gram.cosine)
+    alike = [cosine[place_of[name], place_of[names[place]]] for name in new]
+    return new[int(np.argmax(alike))] if new else ""

@@ -1,0 +1,114 @@
+"""The answer in one plain sentence, and what to know before it is used."""
+
+from collections.abc import Sequence
+
+from ...mechanism.catalogue import CATALOGUE
+from ..problem.candidates import lacking
+from ..problem.problem import Problem
+from ..results.diagnosis import Claim, Gap, Remainder, Sight, Verdict
+from ..results.external_validation import Transfer, carried, not_carried
+from ..search.selection import Found
+from .claim_words import size
+
+__all__ = ["missing_columns", "nearest", "sentence", "verdict_of"]
+
+_FEW_NAMES = 4
+
+
+def verdict_of(effects: tuple[Claim, ...], *, outside: bool, gap_in_data: bool) -> Verdict:
+    """Return the verdict."""
+    if outside:
+        return "data_gap" if gap_in_data else "outside_catalogue"
+    if not effects:
+        return "nothing_found"
+    return "family" if any(claim.look_alikes for claim in effects) else "named"
+
+
+def sentence(
+    verdict: Verdict,
+    effects: tuple[Claim, ...],
+    gap: Gap | None,
+    sights: tuple[Sight, ...],
+    missing: tuple[str, ...],
+    left: Remainder | None,
+    tests: tuple[Transfer, ...] = (),
+    only: Sequence[str] | None = None,
+) -> str:
+    """Return the answer in one sentence; what it does not carry over to comes before it, what it does after it.
+
+    only : the names that it may give, where these are not the whole catalogue
+    """
+    names = [claim.name for claim in effects]
+    answer = _answer(verdict, effects, gap, sights, missing, left, only)
+    return " ".join((*not_carried(tests, names), answer, *carried(tests, names), *_left_of(effects, tests)))
+
+
+def _left_of(effects: tuple[Claim, ...], tests: tuple[Transfer, ...]) -> tuple[str, ...]:
+    """Return which of a set of look-alikes the test files leave, where they meet its first name and refute others."""
+    refuted = {name for test in tests for name, left in test.rivals if left > test.allowed}
+    if len(effects) != 1 or not all(test.carries_over for test in tests) or not refuted & set(effects[0].look_alikes):
+        return ()
+    names = [effects[0].name, *(name for name in effects[0].look_alikes if name not in refuted)]
+    return (f"Of the look-alikes {' and '.join(names)} {'are' if names[1:] else 'alone is'} left.",)
+
+
+def _answer(
+    verdict: Verdict,
+    effects: tuple[Claim, ...],
+    gap: Gap | None,
+    sights: tuple[Sight, ...],
+    missing: tuple[str, ...],
+    left: Remainder | None,
+    only: Sequence[str] | None,
+) -> str:
+    among = "the catalogue" if only is None else f"those that may be named here ({_listed(only)})"
+    if verdict == "nothing_found":
+        seen = sum(sight.visible in ("named", "seen") for sight in sights)
+        return (f"No missing effect was found: {seen} of {len(sights)} effects of {among} would have shown at "
+                f"twice their typical size or less, the others cannot be seen in these data.")  # fmt: skip
+    if verdict in ("named", "family"):
+        alone = "" if only is None else f" Only {_listed(only)} may be named here: another effect may fit better."
+        return f"The data ask for {' and for '.join(_named(claim) for claim in effects)}{_proof(gap)}.{alone}"
+    like = f"; it resembles {left.resembles}, which does not explain it" if left else ""
+    if verdict == "data_gap":
+        return (f"Something is missing that no named effect explains{like}, and columns that could tell are not "
+                f"there: {', '.join(missing)}.")  # fmt: skip
+    return f"Something is missing that no one or two effects of {among} explain{like}."
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names) if len(names) <= _FEW_NAMES else f"{len(names)} effects"
+
+
+def _named(claim: Claim) -> str:
+    number = size(claim, next(iter(claim.parameters)))
+    if not claim.look_alikes:
+        return number
+    return f"{number}, which these data cannot tell from {' or '.join(claim.look_alikes)}"
+
+
+def _proof(gap: Gap | None) -> str:
+    if gap is None:
+        return " (too few rows to set any aside as proof)"
+    return (f"; on {gap.rows} rows that were set aside the mechanism as given is off by {gap.given.sigma:.3g} times "
+            f"the noise, calibrated alone by {gap.before.sigma:.3g}, with this by {gap.after.sigma:.3g}")  # fmt: skip
+
+
+def missing_columns(problem: Problem) -> tuple[str, ...]:
+    """Return the columns that are needed to tell effects of the catalogue and that no measurement has."""
+    found = dict.fromkeys(
+        column for candidate in problem.candidates for column in lacking(candidate.effect, problem.data)
+    )
+    return tuple(found)
+
+
+def nearest(found: Found) -> tuple[str, ...]:
+    """Return a line on what comes nearest where nothing explains."""
+    fit = found.closest_fit
+    if not found.outside or fit is None:
+        return ()
+    values, sizes = fit.by_key(), list[str]()
+    for name in found.names(fit):
+        entry = CATALOGUE[name].size
+        sizes.append(f"{name} = {values[entry.key]:.3g}{'' if entry.unit == '-' else f' {entry.unit}'}")
+    return (f"{' with '.join(sizes)} comes nearest, but the tests still see something beyond it",)

@@ -1,0 +1,1 @@
+"""The problem that a diagnosis solves: measurements, candidates, hold-out, linearization."""

@@ -1,0 +1,308 @@
+"""The problem seen from one set of values: everything linear there, residuals cleaned, all signatures side by side."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import NotConverged
+from ...identification.rows import DECLARED, Noise, State
+from ..results.diagnosis import Gate
+from ..statistics.evidence import Gram
+from ..statistics.lack_of_fit import NAMED, SMOOTH, effects_gate, smooth_gate
+from ..statistics.robust_noise import Chain, Cleaned, clean, orthonormal
+from .candidates import Candidate
+from .problem import Problem, Weights
+from .stiffness_scale import STIFFNESSES
+from .trends import smooth_columns
+
+__all__ = ["View"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_SATURATED = 3.0
+"""Directions in which effects of this many prior standard deviations are below the noise count as noise."""
+_FAR = 2.0  # prior standard deviations that the linear model is trusted
+_SHARE = 6  # readings for every direction of effects that noise is measured beside
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """The linear model around `values` of calibrated parameters and of the effects in `model`.
+
+    Attributes
+    ----------
+    problem : what is looked at
+    model : places of the candidates that are in the model
+    values : by key, of all that was fitted
+    state : poses and derivatives by `keys`, nan in rows that are locked or without a measured pose
+    keys : calibrated parameters, sizes of all candidates, further parameters of the model's and of those in `values`,
+        other dimensions that have a tolerance
+    noise, weights : what is known before the fit, and what follows from it here
+    rows : places of the rows that count
+    chain : their order
+    cleaned : their residuals, drawn in, outliers left out
+    smooth : functions (all rows, q) that a disagreement without a name may follow, and of which kind each one is
+    """
+
+    problem: Problem
+    model: tuple[int, ...]
+    values: Mapping[str, float]
+    state: State
+    keys: tuple[str, ...]
+    noise: Noise
+    weights: Weights
+    rows: NDArray[np.int64]
+    chain: Chain
+    cleaned: Cleaned
+    outliers: NDArray[np.int64]
+    smooth: tuple[Array, NDArray[np.int64]] = field(repr=False)
+
+    @classmethod
+    def at(
+        cls,
+        problem: Problem,
+        values: Mapping[str, float],
+        model: tuple[int, ...],
+        noise: Noise,
+        *,
+        known: bool = False,
+    ) -> "View":
+        """Look at the rows that are not locked from `values`; with `known` noise the residuals tell nothing of it."""
+        more = [
+            key
+            for i, candidate in enumerate(problem.candidates)
+            for key in candidate.keys[1:]
+            if i in model or key in values
+        ]
+        sizes = [candidate.keys[0] for candidate in problem.candidates]
+        drawn = [key for key in problem.tolerances if key not in sizes]
+        solver = problem.solver((*sizes, *more, *drawn), problem.open)
+        at = problem.start(solver.names)
+        at = np.array([values.get(key, float(own)) for key, own in zip(solver.names, at, strict=True)])
+        problem.progress.step(problem.open.size, "derivatives by all effects")
+        state = solver.at(at).among(problem.rows.n, problem.open)
+        use = state.stable
+        if not use.any():
+            raise NotConverged("no row has a stable equilibrium on this mechanism")
+        weights, rows = problem.weights(noise, state, solver.names), np.flatnonzero(use)
+        smooth = smooth_columns(problem.data, use)
+        draft = cls(problem, model, values, state, solver.names, noise, weights, rows, problem.chain(rows),
+                    _NOTHING, rows[:0], smooth)  # fmt: skip
+        cleaned = draft._as_declared() if known else draft._clean()
+        if cleaned.outlier.any():
+            kept = ~cleaned.outlier
+            lost, rows = rows[~kept], rows[kept]
+            chain = problem.chain(rows)
+            cleaned = replace(cleaned, residual=cleaned.residual[kept], outlier=cleaned.outlier[kept])
+            return replace(draft, rows=rows, chain=chain, cleaned=cleaned, outliers=lost)
+        return replace(draft, cleaned=cleaned)
+
+    @cached_property
+    def raw(self) -> Array:
+        """Measured less predicted, whitened, (n, 3)."""
+        off = np.where(self.used, (self.problem.rows.measured - self.state.pose)[self.rows], 0.0)
+        return np.asarray((self.whitening @ off[:, :, None])[:, :, 0])
+
+    @cached_property
+    def used(self) -> Mask:
+        """Which readings of the rows that count there are, (n, 3)."""
+        return np.asarray(self.problem.wanted[self.rows])
+
+    @cached_property
+    def whitening(self) -> Array:
+        """Whitening of the rows that count, (n, 3, 3)."""
+        return self.weights.whitening[self.rows]
+
+    @cached_property
+    def by(self) -> Array:
+        """Whitened derivatives by `keys`, (n, 3, k)."""
+        return np.asarray(self.whitening @ self.state.by[self.rows])
+
+    @property
+    def drawn(self) -> tuple[str, ...]:
+        """Keys of the dimensions that have a tolerance, in the order of `Weights.build`."""
+        return tuple(key for key in self.problem.tolerances if key in self.keys)
+
+    @property
+    def place(self) -> dict[str, int]:
+        """Column of `by` by key."""
+        return {key: i for i, key in enumerate(self.keys)}
+
+    # What is free, in order: calibrated parameters, what is hidden, sizes of the model, their further ones
+
+    @cached_property
+    def hidden(self) -> Array:
+        """One standard deviation of what instruments and the build hide, whitened, (n, 3, s)."""
+        return np.concatenate([self.weights.shift, self.weights.build], axis=2)[self.rows]
+
+    @cached_property
+    def nuisances(self) -> tuple[Array, Array, Array]:
+        """What calibration can do: columns (n, 3, p), and its priors' rows (q, p) with their residuals (q,)."""
+        problem, size = self.problem, len(self.problem.keys)
+        columns = np.concatenate([self.by[:, :, :size], self.hidden], axis=2)
+        now = [self.values.get(key, float(own)) for key, own in
+               zip(problem.keys, problem.start(problem.keys), strict=True)]  # fmt: skip
+        off, slope = problem.prior.rows(np.array(now))
+        shifts = columns.shape[2] - size
+        rows = np.vstack([np.pad(slope, ((0, 0), (0, shifts))), np.eye(shifts, size + shifts, size)])
+        return columns, rows, np.concatenate([-off, np.zeros(shifts)])
+
+    @cached_property
+    def sizes(self) -> Array:
+        """Signatures of all candidates, one prior standard deviation large, (n, 3, k)."""
+        place, candidates = self.place, self.problem.candidates
+        columns = [place[candidate.keys[0]] for candidate in candidates]
+        out = self.by[:, :, columns] * np.array([candidate.spread[0] for candidate in candidates])
+        return np.where(np.isfinite(out), out, 0.0)
+
+    @cached_property
+    def further(self) -> Array:
+        """Signatures of the further parameters of the effects in the model, (n, 3, j), in prior deviations."""
+        place = self.place
+        pairs = [
+            (key, std)
+            for i in self.model
+            for key, std in zip(self._of(i).keys[1:], self._of(i).spread[1:], strict=True)
+        ]
+        return np.asarray(self.by[:, :, [place[key] for key, _ in pairs]] * np.array([std for _, std in pairs]))
+
+    def _of(self, i: int) -> Candidate:
+        return self.problem.candidates[i]
+
+    @cached_property
+    def one_sided(self) -> Mask:
+        """Which candidates can only grow, (k,)."""
+        return np.array([candidate.one_sided for candidate in self.problem.candidates], dtype=bool)
+
+    @cached_property
+    def center(self) -> Array:
+        """Sizes of the effects in the model, in prior standard deviations, (k,)."""
+        out = np.zeros(len(self.problem.candidates))
+        for i in self.model:
+            candidate = self._of(i)
+            value = self.values.get(candidate.keys[0], candidate.start[0])
+            out[i] = (value - candidate.start[0]) / candidate.spread[0]
+        return out
+
+    def _as_declared(self) -> Cleaned:
+        return Cleaned(self.raw, np.ones(3), 0.0, 0.0, 0.0, np.inf, np.zeros(len(self.rows), dtype=bool))
+
+    def _clean(self) -> Cleaned:
+        columns = [self.by[:, :, : len(self.problem.keys)], self.weights.shift[self.rows]]
+        readings = int(self.used.sum())
+        span = np.concatenate([*columns, self.sizes[:, :, list(self.model)], self.further], axis=2)
+        base = orthonormal(span.reshape(3 * len(self.rows), -1))
+        effects = self.sizes.reshape(len(base), -1)
+        effects = effects - base @ (base.T @ effects)
+        values, vectors = np.linalg.eigh(effects.T @ effects)
+        order = np.argsort(-values)[: max(readings // _SHARE, 1)]
+        order = order[values[order] * _SATURATED**2 > 1.0]
+        directions = effects @ vectors[:, order] / np.sqrt(values[order])
+        smooth = _by_channel(self.smooth[0][self.rows])
+        basis = np.concatenate([base, directions, smooth], axis=1).reshape(len(self.rows), 3, -1)
+        declared = (self.noise.origin[self.rows] == DECLARED).any(axis=0)
+        return clean(self.raw, self.used, basis, self.chain, declared)
+
+    # Scaled, made independent from row to row, flat: what all statistics are made of
+
+    def flat(self, values: Array) -> Array:
+        """Return whitened values (n, 3, ...) with noise of one size and without memory, (3 n, ...)."""
+        more = (1,) * (values.ndim - 2)
+        scaled = values / self.cleaned.scale.reshape(1, 3, *more)
+        scaled = np.where(self.used.reshape(len(self.rows), 3, *more), scaled, 0.0)
+        return self.chain.innovations(scaled, self.cleaned.memory).reshape(3 * len(self.rows), *values.shape[2:])
+
+    @cached_property
+    def residual(self) -> Array:
+        """Cleaned residual, then those of the priors, (m,)."""
+        return np.concatenate([self.flat(self.cleaned.residual), self.nuisances[2]])
+
+    @cached_property
+    def free(self) -> Array:
+        """Nuisances, with their priors' rows, (m, p)."""
+        columns, rows, _ = self.nuisances
+        return np.vstack([self.flat(columns), rows])
+
+    @cached_property
+    def gram(self) -> Gram:
+        """All candidates, calibration taken off."""
+        signatures = np.vstack([self.flat(self.sizes), np.zeros((len(self.nuisances[1]), self.sizes.shape[2]))])
+        return Gram.of(self.residual, self.free, signatures, self.one_sided, self.center)
+
+    @cached_property
+    def rest(self) -> tuple[Array, Array, Gram]:
+        """Residual, what is free, and the candidates, once the effects of the model are free too."""
+        if not self.model:
+            return self.residual, self.free, self.gram
+        j = self.further.shape[2]
+        own = np.concatenate([self.sizes[:, :, list(self.model)], self.further], axis=2)
+        below = len(self.nuisances[1])
+        columns = np.vstack([self.flat(own), np.zeros((below, own.shape[2])), np.eye(own.shape[2])[-j:] if j else
+                             np.zeros((0, own.shape[2]))])  # fmt: skip
+        pad = len(columns) - len(self.free)
+        free = np.hstack([np.vstack([self.free, np.zeros((pad, self.free.shape[1]))]), columns])
+        offsets = [
+            (self._of(i).start[n] - self.values.get(key, self._of(i).start[n])) / self._of(i).spread[n]
+            for i in self.model
+            for n, key in enumerate(self._of(i).keys)
+            if n
+        ]
+        residual = np.concatenate([self.residual, offsets])
+        signatures = np.vstack([self.flat(self.sizes), np.zeros((below + pad, self.sizes.shape[2]))])
+        return residual, free, Gram.of(residual, free, signatures, self.one_sided, 0.0 * self.center)
+
+    def gates(self, alpha: float, seed: int) -> tuple[Gate, Gate]:
+        """Return both tests for more than the model has."""
+        residual, free, gram = self.rest
+        smooth, kinds = self.smoothed(), np.repeat(self.smooth[1], 3)
+        below = ((0, len(residual) - len(smooth)), (0, 0))
+        by_kind = [smooth[:, kinds == kind] for kind in np.unique(kinds)]
+        dofs = [self.cleaned.trusted_dof(self.chain.slowness(columns)) for columns in by_kind]
+        columns, stage = [np.pad(kind, below) for kind in by_kind], len(self.model)
+        return (
+            effects_gate(gram, self.cleaned.trusted_dof(), stage, NAMED * alpha, seed),
+            smooth_gate(residual, free, columns, dofs, stage, SMOOTH * alpha),
+        )
+
+    @cached_property
+    def _solved(self) -> Array:
+        """Pseudo-inverse of what is free, (p, m)."""
+        scale = np.sqrt((self.free**2).sum(axis=0))
+        scale[scale == 0.0] = 1.0
+        return np.asarray(np.linalg.pinv(self.free / scale, rcond=1e-9) / scale[:, None])
+
+    def linear_start(self, model: tuple[int, ...]) -> dict[str, float]:
+        """Return calibrated parameters, and the sizes of a model's effects, where the linear model has them."""
+        places, problem = list(model), self.problem
+        inner = self.gram.gram[np.ix_(places, places)] + np.eye(len(places))
+        sizes = np.clip(np.linalg.solve(inner, self.gram.at_zero()[places]), -_FAR, _FAR)
+        sizes = np.where(self.one_sided[places], np.maximum(sizes, 0.1), sizes)
+        change = -self.center
+        change[places] += sizes
+        count = 3 * len(self.rows)
+        off = self.residual.copy()
+        off[:count] -= self.flat(self.sizes) @ change
+        moves = self._solved @ off
+        start = dict(self.values)
+        for key, move in zip(problem.keys, moves.tolist(), strict=False):
+            now = self.values[key]
+            start[key] = now / max(1.0 - move / now, 0.2) if key in STIFFNESSES else now + move
+        for i, size in zip(places, sizes.tolist(), strict=True):
+            start[self._of(i).keys[0]] = self._of(i).start[0] + size * self._of(i).spread[0]
+        return start
+
+    def smoothed(self) -> Array:
+        """Return smooth functions for each channel, (3 n, 3 q)."""
+        return self.flat(_by_channel(self.smooth[0][self.rows]).reshape(len(self.rows), 3, -1))
+
+
+def _by_channel(columns: Array) -> Array:
+    """Return columns (n, q) once for each channel, (3 n, 3 q)."""
+    return np.asarray(np.kron(columns, np.eye(3)))
+
+
+_NOTHING = Cleaned(np.zeros((0, 3)), np.ones(3), 0.0, 0.0, 0.0, 1.0, np.zeros(0, dtype=bool))

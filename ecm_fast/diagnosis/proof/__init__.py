@@ -1,0 +1,1 @@
+"""Proof of an answer: hold-out error, external validation, model discrepancy, localization."""

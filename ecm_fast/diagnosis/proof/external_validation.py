@@ -1,0 +1,79 @@
+"""The hardest proof: experiments that were never fitted, and whether what was found carries over to them.
+
+Both models predict such an experiment as they stand. Where the one with what was found misses it, but would not if the
+fitted parameters moved within their doubt, the experiment asks for another calibration before it asks for another
+effect.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...identification.rows import RESIDUAL, State
+from ..problem.problem import Problem
+from ..results.diagnosis import Noise
+from ..results.external_validation import Transfer, allowed
+from ..search.fit import Fit
+from ..search.selection import Found
+from .holdout_error import Opened, gap
+
+__all__ = ["transfer"]
+
+Array = NDArray[np.float64]
+
+_RIVALS = 5
+
+
+def transfer(there: Problem, found: Found, noise: Noise, seed: int) -> Transfer | None:
+    """Return the gap on an experiment that was never fitted; None where no reading of it can be used.
+
+    Parameters
+    ----------
+    there : the problem of that experiment alone
+    found : in the data that were fitted
+    noise : of these data
+    seed : of the blocks that are drawn again
+    """
+    before, after = (fit.state(there) for fit in (found.null, found.best))
+    known = there.noise(there.rows.at(there.start(there.keys)))
+    sigma = np.where(known.origin == RESIDUAL, np.asarray(noise.sigma), known.sigma)  # else it would fit by definition
+    known = replace(known, sigma=np.where(sigma > 0.0, sigma, known.sigma))
+    opened = Opened.of(there, before, after, there.weights(known, after), np.maximum(found.scale, 1.0))
+    part = there.data[0]
+    shown_gap, far = gap(there, opened, np.ones(part.n, dtype=bool), part.source, seed)
+    if shown_gap is None:
+        return None
+    whitened = opened.whitened(opened.after)
+    whitened[far] = np.nan
+    own, count = _adapted(opened, after, found.best, whitened), int(np.isfinite(whitened).sum())
+    return Transfer(
+        **vars(shown_gap),
+        allowed=allowed(count),
+        adapted=own,
+        left_out=int(far.size),
+        rivals=tuple(_rivals(there, found, opened, far)),
+    )
+
+
+def _rivals(there: Problem, found: Found, opened: Opened, far: NDArray[np.int64]) -> Iterator[tuple[str, float]]:
+    """Yield the next best explanations and what they leave of the experiment [sigma]."""
+    for fit in found.runners_up[:_RIVALS]:
+        whitened = opened.whitened(there.rows.measured - fit.state(there).pose)
+        whitened[far] = np.nan
+        yield " with ".join(found.names(fit)), float(np.sqrt(np.nanmean(whitened**2)))
+
+
+def _adapted(opened: Opened, after: State, fit: Fit, whitened: Array) -> float:
+    """Return the root mean square [sigma] that is left where the fitted parameters move within their doubt.
+
+    Its square times the number of readings is the smallest |r - J d|^2 + d^T C^-1 d, chi squared where all is right.
+    """
+    use = np.isfinite(whitened)
+    by = (opened.weights.whitening @ np.nan_to_num(after.by[:, :, : len(fit.keys)])) / opened.scale[:, None]
+    jacobian, residual = by[use], whitened[use]
+    value, vector = np.linalg.eigh(fit.covariance)
+    root = jacobian @ (vector * np.sqrt(np.maximum(value, 0.0)))
+    step = np.linalg.solve(np.eye(root.shape[1]) + root.T @ root, root.T @ residual)
+    return float(np.sqrt((residual @ residual - (root.T @ residual) @ step) / residual.size))

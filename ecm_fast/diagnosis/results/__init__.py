@@ -1,0 +1,1 @@
+"""Results of the diagnosis: frozen records that print and serialize themselves."""

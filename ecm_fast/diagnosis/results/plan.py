@@ -1,0 +1,69 @@
+"""What loads can tell before they are measured."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...files import plain
+from .diagnosis import Sight
+
+__all__ = ["Plan"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Plan:
+    """What a list of loads can show of the catalogue.
+
+    Attributes
+    ----------
+    rows : how many loads
+    sights : every entry of the catalogue
+    names : of the candidates, in the order of `cosines`
+    cosines : (k, k) between signatures, calibrated parameters projected out; 0 where one is invisible
+    distances : (k, k) sigmas between a typical size of the first and any size of the second
+    noise : in words, what was assumed
+    missing : columns whose absence keeps names from being told
+    warnings : loads that have no stable equilibrium, and the like
+    """
+
+    rows: int
+    sights: tuple[Sight, ...]
+    names: tuple[str, ...]
+    cosines: NDArray[np.float64]
+    distances: NDArray[np.float64]
+    noise: str
+    missing: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    def of(self, visible: str) -> tuple[str, ...]:
+        """Return the names that are ``named``, ``seen``, ``absorbed`` or ``invisible``."""
+        return tuple(sight.name for sight in self.sights if sight.visible == visible)
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Return the plan as JSON has it; what is not finite is None."""
+        answer = {
+            "rows": self.rows,
+            "named": self.of("named"),
+            "seen": self.of("seen"),
+            "absorbed": self.of("absorbed"),
+            "invisible": self.of("invisible"),
+            "sights": [sight.to_json_dict() for sight in self.sights],
+            "names": self.names,
+            "cosines": self.cosines,
+            "noise": self.noise,
+            "missing": self.missing,
+            "warnings": self.warnings,
+        }
+        return {name: plain(value) for name, value in answer.items()}
+
+    def _lines(self) -> Iterator[str]:
+        yield f"<Plan of {self.rows} rows; {self.noise}"
+        for visible in ("named", "seen", "absorbed", "invisible"):
+            names = self.of(visible)
+            yield f"  {visible} ({len(names)}): {', '.join(names) or 'none'}"
+
+    def __repr__(self) -> str:
+        return "\n".join([*self._lines(), *(f"  warning: {text}" for text in self.warnings)]) + ">"

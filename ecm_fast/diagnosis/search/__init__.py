@@ -1,0 +1,1 @@
+"""The search for effects: calibration, fits, model selection."""

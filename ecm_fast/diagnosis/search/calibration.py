@@ -1,0 +1,67 @@
+"""The model as it is, fitted as well as it can be: the baseline that every effect has to beat."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import NotConverged
+from ...identification.least_squares import Loss, minimize
+from ...identification.rows import FitRows, Noise, State
+from ..problem.problem import Problem
+from ..problem.stiffness_scale import Scales
+
+__all__ = ["calibrate"]
+
+Array = NDArray[np.float64]
+
+_NEAR = 0.1
+_ROUNDS = 4
+_SAME = 0.05
+
+
+def calibrate(problem: Problem) -> tuple[dict[str, float], Noise]:
+    """Return the calibrated parameters by key, and what is known of the noise.
+
+    Raises
+    ------
+    NotConverged : the mechanism has no stable equilibrium under any of the loads.
+    """
+    rows = problem.solver((), problem.open)
+    lower, upper = rows.bounds()
+    values = np.clip(problem.start(problem.keys), lower, upper)
+    noise = problem.noise(problem.rows.at(values))
+    state = rows.at(values)
+    for _ in range(_ROUNDS):
+        if not state.stable.any():
+            raise NotConverged(f"{problem.data[0].source}: no row has a stable equilibrium on this mechanism")
+        before = values
+        problem.progress.step(problem.open.size, "calibration")
+        values = _fit(problem, rows, noise, state, values, (lower, upper))
+        state = rows.at(values)
+        if np.all(np.abs(values - before) <= _SAME * 1e-2 * np.maximum(np.abs(values), 1e-9)):
+            break
+    return dict(zip(problem.keys, values.tolist(), strict=True)), noise
+
+
+def _fit(
+    problem: Problem, rows: FitRows, noise: Noise, state: State, start: Array, bounds: tuple[Array, Array]
+) -> Array:
+    use, places = state.stable, problem.open[state.stable]
+    weights = problem.weights(noise, state.among(problem.rows.n, problem.open))
+    used, whitening, measured = problem.wanted[places], weights.whitening[places], problem.rows.measured[places]
+
+    scales = Scales.of(problem.keys, problem.start(problem.keys))
+
+    def residuals(moved: Array) -> tuple[Array, Array] | None:
+        values, slope = scales.values(moved), scales.slope(moved)
+        there = rows.at(values)
+        if not there.stable[use].all():
+            return None
+        off = np.where(used, measured - there.pose[use], 0.0)
+        by = -(whitening @ there.by[use]).reshape(-1, len(values))
+        own, by_prior = problem.prior.rows(values)
+        return np.concatenate([(whitening @ off[:, :, None]).ravel(), own]), np.vstack([by, by_prior]) * slope
+
+    first, limits = scales.moved(start), scales.bounds(*bounds)
+    return scales.values(
+        minimize(residuals, first, *limits, Loss("huber", 1.5), problem.prior.known.size, near=_NEAR).values
+    )

@@ -1,0 +1,325 @@
+"""The search: no effect, one, or two; linear over all of them, in full over what the linear ranking leaves."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...identification.rows import Noise
+from ..answer.caveats import unasked_doubt
+from ..problem.linearization import View
+from ..problem.problem import Problem
+from ..results.diagnosis import Gate, Model
+from . import initial_values as further
+from .calibration import calibrate
+from .fit import Fit, refit
+from .outliers import louder_than_declared, on_more_than_a_row
+
+__all__ = ["LIMITS", "Fits", "Found", "onward", "refused", "search", "search_from"]
+
+Array = NDArray[np.float64]
+Fits = tuple[View, Fit, list[Fit]]  # the view at the best explanation, the fit without effects there, and theirs
+
+LIMITS = {1: 5.0, 2: 9.2}
+"""Evidence that a model of so many effects may lack to the best one and still be told from it by nobody.
+
+A given wrong rival leads the truth by that much with a chance of at most Phi(-sqrt(limit)), 1.3 % of one effect's."""
+_PLAUSIBLE = 10.0
+"""Typical sizes beyond which a name is refused."""
+_LEFT, _SINGLES, _PAIRS = 30.0, 12, 30
+_ROUGH = 0.3
+"""Share of the best evidence by which the linear ranking may be wrong."""
+_PASSES = 3
+_WORTH = 9.2
+"""Evidence that a second name must add, whether or not a test still sees something beside the first."""
+_SPEAKS = 2.0
+_HOPELESS = 100.0
+_AGAIN, _GAIN = 3, 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What the search ends with.
+
+    Attributes
+    ----------
+    baseline, view : the linear model without effects, and with those found
+    fits : by number of effects, the best first
+    models : the same for readers
+    gates : in the order of the tests
+    effects : how many were found
+    outside : whether something is left that no admissible model explains
+    doubts : what to know
+    closest : the view at what comes nearest, where that does not explain
+    """
+
+    baseline: View
+    view: View
+    null: Fit
+    fits: dict[int, list[Fit]]
+    gates: tuple[Gate, ...]
+    effects: int
+    outside: bool
+    doubts: tuple[str, ...]
+    closest: View | None = None
+
+    @property
+    def scale(self) -> Array:
+        """Noise seen over noise assumed, by channel, where the model comes nearest to the data."""
+        return (self.closest or self.view).cleaned.scale
+
+    @property
+    def best(self) -> Fit:
+        """The fit that is reported."""
+        return self.fits[self.effects][0] if self.effects else self.null
+
+    @property
+    def closest_fit(self) -> Fit | None:
+        """The explanation that comes nearest, whether or not it explains."""
+        fits = next((self.fits[size] for size in sorted(self.fits, reverse=True) if self.fits[size]), [])
+        return fits[0] if fits else None
+
+    @property
+    def runners_up(self) -> tuple[Fit, ...]:
+        """Explanations by as many effects as were found that can be meant, too, the best first."""
+        fits = self.fits[self.effects][1:] if self.effects else []
+        return tuple(fit for fit in fits if not refused(fit, self.view))
+
+    def names(self, fit: Fit) -> tuple[str, ...]:
+        """Return the names of what a fit has in the model."""
+        return tuple(self.view.problem.candidates[i].name for i in fit.model)
+
+    def models(self) -> tuple[Model, ...]:
+        """Return all explanations tried, those of the number reported first."""
+        order = [self.effects, *(size for size in self.fits if size != self.effects)]
+        return tuple(model for size in order if size for model in self._models(size))
+
+    def _models(self, size: int) -> Iterable[Model]:
+        fits, candidates = self.fits.get(size, []), self.view.problem.candidates
+        known = [fit.evidence for fit in fits if not refused(fit, self.view)] or [fit.evidence for fit in fits]
+        best = max(known, default=-np.inf)
+        for fit in fits:
+            reason = refused(fit, self.view)
+            behind = best - fit.evidence
+            sizes = tuple(fit.by_key()[candidates[i].keys[0]] for i in fit.model)
+            names = self.names(fit)
+            inside = size == (self.effects or size) and not reason and behind < LIMITS[size]
+            yield Model(
+                names, sizes, fit.evidence - self.null.evidence, self.null.total - fit.total, behind, inside, reason
+            )
+
+
+def refused(fit: Fit, view: View) -> str:
+    """Return why an explanation cannot be meant, empty if it can."""
+    values = fit.by_key()
+    for i in fit.model:
+        candidate = view.problem.candidates[i]
+        size = (values[candidate.keys[0]] - candidate.start[0]) / candidate.typical
+        if abs(size) > _PLAUSIBLE:
+            return f"{candidate.name} would need {abs(size):.0f} times its typical size"
+        if candidate.one_sided and size <= 0.0:
+            return f"{candidate.name} would have to be negative"
+    return ""
+
+
+def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found:
+    """Search for what the measurements ask for."""
+    values, noise = calibrate(problem)
+    return search_from(View.at(problem, values, (), noise), alpha, max_effects, seed)
+
+
+def search_from(baseline: View, alpha: float, max_effects: int, seed: int) -> Found:
+    """Search from the calibrated model without effects."""
+    baseline, gates = on_more_than_a_row(baseline, alpha, seed)
+    if not any(gate.alarm for gate in gates) or max_effects < 1:
+        louder, null = louder_than_declared(baseline), refit(baseline, (), baseline.values)
+        return Found(baseline, baseline, null, {}, gates, 0, bool(louder), louder)
+    start = _looked_at(baseline, further.starts(baseline))
+    first = _singles(start.problem, start, start.noise, start, {})
+    return onward(baseline, start, gates, first, alpha, max_effects, seed)
+
+
+def onward(
+    baseline: View, start: View, gates: tuple[Gate, ...], first: Fits, alpha: float, max_effects: int, seed: int
+) -> Found:
+    """Go on from the single effects: one is enough, two are needed, or none will do.
+
+    Two are tried where a test sees more than one explains, and where none does but the evidence is for two: as the
+    better part of two a wrong name may pass all tests.
+
+    The search began at `start`, the baseline with further parameters of effects where they begin.
+    """
+    problem, noise, values = baseline.problem, baseline.noise, baseline.values
+    (view, null, fits), own = _tested(first, alpha, seed)
+    found: dict[int, list[Fit]] = {1: fits}
+    gates = (*gates, *own)
+    admissible = _admissible(fits, null, view)
+    one = Found(baseline, view, null, found, gates, 1, False, ())
+    quiet = admissible and not any(gate.alarm for gate in own)
+    if quiet and (max_effects < 2 or _second(view) <= _WORTH):
+        return one
+    if max_effects >= 2:
+        begin = further.starts(view, _least(float(view.rest[2].singles()[0].max(initial=-np.inf))))
+        both, null2, pairs = _pairs(problem, _looked_at(start, begin), _looked_at(view, begin), noise, fits)
+        found[2] = pairs
+        alone = _alone(both, pairs, fits[:1] if quiet else [])
+        single = max((fit.evidence for fit in alone), default=null2.evidence)
+        gain = pairs[0].evidence - single if pairs else 0.0
+        if gain > _WORTH and not refused(pairs[0], both):
+            (both, null2, pairs), last = _tested((both, null2, pairs), alpha, seed)
+            found[2], gates = pairs, (*gates, *last)
+            if _admissible(pairs, null2, both) and not any(gate.alarm for gate in last):
+                doubts = (unasked_doubt(one.names(fits[0])[0], gain),) if quiet else ()
+                return Found(baseline, both, null2, found, gates, 2, False, doubts)
+            if not quiet:
+                return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), both)
+        elif not quiet and alone and alone[0].evidence - null2.evidence > _SPEAKS and alone[0].model != fits[0].model:
+            known = {fit.model: fit for fit in (*fits, *alone)}
+            (view, null, fits), own = _tested(_singles(problem, start, noise, both, known), alpha, seed)
+            found, admissible, gates = {1: fits}, _admissible(fits, null, view), (*gates, *own)
+            if admissible and not any(gate.alarm for gate in own):
+                return Found(baseline, view, null, found, gates, 1, False, ())
+    if quiet:
+        return one
+    outside = not admissible or any(gate.alarm for gate in own)
+    doubt = "the tests see a little more than this, but nothing that a second name would explain"
+    if outside:
+        return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), view)
+    return Found(baseline, view, null, found, gates, 1, False, (doubt,))
+
+
+def _second(view: View) -> float:
+    """Return the evidence, on the linear model, that the best two effects have more than the best one."""
+    return float(view.gram.pairs().evidence.max(initial=-np.inf) - view.gram.singles()[0].max(initial=-np.inf))
+
+
+def _tested(found: Fits, alpha: float, seed: int) -> tuple[Fits, tuple[Gate, ...]]:
+    """Return the tests for more than the best explanation has; rows on which an alarm rests alone are left out."""
+    view, null, fits = found
+    reduced, gates = on_more_than_a_row(view, alpha, seed)
+    if reduced is not view:
+        known = {fit.model: fit for fit in fits}
+        null, fits = refit(reduced, (), null.by_key()), _fitted(reduced, list(known), known)
+    return (reduced, null, fits), gates
+
+
+def _looked_at(view: View, begin: dict[str, float]) -> View:
+    """Return a view with further parameters of effects where they begin."""
+    return View.at(view.problem, {**view.values, **begin}, view.model, view.noise) if begin else view
+
+
+def _admissible(fits: list[Fit], null: Fit, view: View) -> bool:
+    return bool(fits) and not refused(fits[0], view) and fits[0].evidence - null.evidence > _SPEAKS
+
+
+def _alone(view: View, pairs: list[Fit], others: list[Fit]) -> list[Fit]:
+    """Return the fits with one effect of the best pair alone, and those of others again, the best first."""
+    if not pairs:
+        return []
+    starts = {(i,): pairs[0] for i in pairs[0].model} | {fit.model: fit for fit in others}
+    fits = [refit(view, model, fit.by_key()) for model, fit in starts.items()]
+    return [fit for fit in _ranked(fits, view) if not refused(fit, view)]
+
+
+def _singles(
+    problem: Problem, baseline: View, noise: Noise, view: View, known: dict[tuple[int, ...], Fit]
+) -> tuple[View, Fit, list[Fit]]:
+    """Return the view at the best single effect, the fit without any there, and all fits, the best first.
+
+    The search begins at `view`, with the fits that are `known` as starts.
+    """
+    best, starts = None, dict(known)
+    for _ in range(_PASSES):
+        evidence, _ = view.gram.singles()
+        models = [(int(i),) for i in _leaders(evidence, view.gram.norm > 0.0, _SINGLES)]
+        models = list(
+            dict.fromkeys([*models, *(model for model in starts if len(model) == 1 and _near(starts, model))])
+        )
+        null = refit(view, (), baseline.values)
+        fits = _fitted(view, models, starts)
+        starts.update({fit.model: fit for fit in fits})
+        if not fits:
+            return view, null, fits
+        if fits[0].model == best:
+            break
+        best = fits[0].model
+        view = View.at(problem, {**baseline.values, **fits[0].by_key()}, best, noise)
+    return view, null, fits
+
+
+def _pairs(
+    problem: Problem, baseline: View, single: View, noise: Noise, singles: list[Fit]
+) -> tuple[View, Fit, list[Fit]]:
+    view, best, starts = single, None, {fit.model: fit for fit in singles}
+    views = [baseline, single]
+    for _ in range(_PASSES):
+        models: dict[tuple[int, ...], None] = {} if best is None else {best: None}
+        for each in views:
+            pairs = each.gram.pairs()
+            visible = (each.gram.norm[pairs.first] > 0.0) & (each.gram.norm[pairs.second] > 0.0)
+            for n in _leaders(pairs.evidence, visible, _PAIRS // len(views) + 3):
+                models[int(pairs.first[n]), int(pairs.second[n])] = None
+        null = refit(view, (), baseline.values)
+        fits = _fitted(view, list(models), starts)
+        starts.update({fit.model: fit for fit in fits})
+        if not fits or fits[0].model == best:
+            break
+        best = fits[0].model
+        view = View.at(problem, {**baseline.values, **fits[0].by_key()}, best, noise)
+        views = [baseline, view]
+    return view, null, fits
+
+
+def _near(known: dict[tuple[int, ...], Fit], model: tuple[int, ...]) -> bool:
+    """Whether a fit of before is worth another."""
+    return known[model].evidence > max(fit.evidence for fit in known.values()) - _LEFT
+
+
+def _leaders(evidence: Array, allowed: NDArray[np.bool_], most: int) -> NDArray[np.int64]:
+    """Return the places of the largest evidence, those far behind left out."""
+    evidence = np.where(allowed, evidence, -np.inf)
+    order = np.argsort(-evidence)[:most]
+    if not order.size:
+        return order
+    return order[evidence[order] > _least(float(evidence[order[0]]))]
+
+
+def _least(best: float) -> float:
+    """Return the evidence that an explanation must have on the linear model to be worth a fit beside the best one."""
+    return best - max(_LEFT, _ROUGH * best)
+
+
+def _fitted(view: View, models: Iterable[tuple[int, ...]], known: dict[tuple[int, ...], Fit]) -> list[Fit]:
+    """Fit explanations; the best one, where it has not settled, until it does or gains no more."""
+    fits, limit = list[Fit](), np.inf
+    for model in models:
+        fits.append(refit(view, model, _start(view, model, known), limit))
+        limit = min(limit, fits[-1].total + _HOPELESS)
+    fits = _ranked(fits, view)
+    for _ in range(_AGAIN):
+        if not fits or fits[0].settled:
+            break
+        more = refit(view, fits[0].model, fits[0].by_key())
+        gain = fits[0].total - more.total
+        fits = _ranked([more, *fits[1:]], view) if gain > 0.0 else fits
+        if gain < _GAIN:
+            break
+    return fits
+
+
+def _ranked(fits: list[Fit], view: View) -> list[Fit]:
+    """Return the fits, the best first, those that cannot be meant last."""
+    return sorted(
+        (fit for fit in fits if np.isfinite(fit.total)), key=lambda fit: (bool(refused(fit, view)), -fit.evidence)
+    )
+
+
+def _start(view: View, model: tuple[int, ...], known: dict[tuple[int, ...], Fit]) -> dict[str, float]:
+    """Return where to start: at the same fit of before, else at what the linear model says."""
+    if model in known:
+        return known[model].by_key()
+    part = max((fit for key, fit in known.items() if set(key) < set(model)), key=lambda fit: fit.evidence, default=None)
+    if part is None or not part.model:
+        return view.linear_start(model)
+    return {**view.linear_start(model), **part.by_key()}

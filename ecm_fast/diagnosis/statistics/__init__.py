@@ -1,0 +1,1 @@
+"""Statistics of the diagnosis: robust noise, evidence, priors, lack of fit."""

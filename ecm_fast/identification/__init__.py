@@ -1,0 +1,1 @@
+"""Identification of stiffnesses and other parameters from measurements."""

@@ -1,0 +1,276 @@
+"""Identification of parameters from measurements, Section 2.4 of the paper: (42) with exact derivatives."""
+
+import functools
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..data.measurements import Measurements
+from ..errors import InputError, shown
+from ..mechanism.mechanism import Mechanism
+from ..mechanism.parameters import find, index, pack
+from ..mesh.discretization import Discretization
+from ..models.equilibrium import Status
+from .least_squares import NEAR, Loss, Minimum, minimize, visible
+from .result import Estimate, Identification, Objective
+from .rows import CHANNELS, FitRows, FitSet, Noise, State
+from .warnings import in_words
+
+__all__ = ["identify"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Experiment = tuple[Mechanism, Measurements] | tuple[Mechanism, Measurements, Sequence[str]]
+Priors = Mapping[str, tuple[float, float]]
+
+_ROUNDS = 12
+_NEAR_ENOUGH = 0.1  # standard deviations: where the weights change anyway, a better minimum is not worth its solves
+_SAME_WEIGHTS = 1e-3
+_HIDDEN = 0.05  # share of a direction that is not seen, from which on a parameter is part of it
+
+
+def identify(
+    mechanism: Mechanism | Sequence[Experiment],
+    data: Measurements | Sequence[Measurements] | Sequence[str],
+    names: Sequence[str] | None = None,
+    *,
+    channels: Sequence[str] = CHANNELS,
+    priors: Priors | None = None,
+    loss: str = "linear",
+    loss_scale: float = 1.345,
+    force_sigma: float | None = None,
+    level: float = 0.90,
+    elements: int | ArrayLike = 1,
+    order: int = 5,
+) -> Identification:
+    """Return the parameters at which the model meets the measurements best.
+
+    ``identify(neck, data, names)`` or, for experiments on different mechanisms that share these parameters,
+    ``identify([(specimen, pushes, ("x",)), (neck, shear)], names)``.
+
+    Parameters
+    ----------
+    mechanism : what is built, its values the start; or several experiments: a mechanism, its measurements and, where
+        they differ from `channels`, the channels that count. The first one's values are the start of all.
+    data : one set of measurements or several; the names where `mechanism` holds the experiments
+    names : of the parameters, as in `parameters`; any but the axial law. All experiments share them
+    channels : which of x, z, theta count
+    priors : value and standard deviation from other tests, by name: ``{"EA": (7500.0, 75.0)}``
+    loss : linear, huber or soft_l1, see `Loss`; the last two hold outliers down
+    loss_scale : the residual, in standard deviations, from which on it counts as an outlier
+    force_sigma : noise of the force readings [N], carried through the model; default as the measurements declare it
+    level : probability of the intervals
+    elements, order : the discretization, see `FiniteElementModel`
+
+    Raises
+    ------
+    InputError : a name, a channel or a prior cannot be meant, or the readings are too few; says what is allowed.
+
+    Notes
+    -----
+    A reading's noise is what its sigma column declares; else the scatter of rows with the same ``pose_id``; else what
+    the fit leaves, by channel and experiment. `Identification.noise` says which.
+
+    Examples
+    --------
+    >>> neck, data = datasets.load("simulated_slender_tendon")
+    >>> fit = identify(neck, data, ["EA", "GA", "EI"])
+    >>> fit["EI"].lower < 3.0 < fit["EI"].upper
+    True
+    """
+    wanted, sets = _experiments(mechanism, data, names, channels)
+    mesh = _mesh(elements, order) if isinstance(elements, int) else Discretization.of(elements, order)
+    rows = FitRows(sets, wanted, mesh)
+    prior = _prior(wanted, priors or {})
+    if not 0.0 < level < 1.0:
+        raise InputError(f"level = {shown(level)}: allowed is a number between 0 and 1")
+    if force_sigma is not None and not 0.0 <= force_sigma < np.inf:
+        raise InputError(f"force_sigma = {shown(force_sigma)}: allowed is a finite number >= 0")
+    return _Fit(rows, prior, Loss(loss, loss_scale), level).run(force_sigma)
+
+
+@functools.lru_cache(typed=True)
+def _mesh(elements: int, order: int) -> Discretization:
+    """Return a discretization with its tables, which take as long as a hundred solves."""
+    return Discretization.of(elements, order)
+
+
+class _Fit:
+    """One fit: rows, priors (k, 3) of place, value and standard deviation, loss."""
+
+    def __init__(self, rows: FitRows, prior: Array, loss: Loss, level: float) -> None:
+        self.rows, self.prior, self.loss, self.level = rows, prior, loss, level
+        self.lower, self.upper = rows.bounds()
+        self.used = rows.wanted
+
+    def run(self, force_sigma: float | None) -> Identification:
+        """Fit until neither the weights nor the rows that can be used change."""
+        rows, robust = self.rows, self.loss.name != "linear"
+        values = np.clip(pack(rows.sets[0].mechanism)[rows.places], self.lower, self.upper)
+        state = rows.at(values)
+        self._use(state)
+        noise, weights, settled = Noise.of(rows, state, force_sigma), None, False
+        for _ in range(_ROUNDS):
+            sigma = noise.filled(rows, state, self.used, robust=robust)
+            before, weights = weights, noise.whitening(sigma, state, self.used)
+            if before is not None and _same(before, weights):
+                settled = minimum.settled  # noqa: F821  bound in the first round
+                break
+            objective = self._objective(weights)
+            near = NEAR if before is not None or noise.fixed(self.used) else _NEAR_ENOUGH
+            minimum = minimize(objective.residuals, values, self.lower, self.upper, self.loss, objective.plain, near)
+            values = minimum.values
+            state = rows.at(values)
+            self._use(state)
+        return self._result(objective, minimum, state, noise, sigma, settled)
+
+    def _use(self, state: State) -> None:
+        """Count the rows that are at a stable equilibrium now."""
+        self.used = self.rows.wanted & state.stable[:, None]
+        count, unknown = int(self.used.sum()) + len(self.prior), len(self.rows.names)
+        if count < unknown:
+            lost = int((self.rows.wanted.any(axis=1) & ~state.stable).sum())
+            why = f" ({lost} rows have no stable equilibrium)" if lost else ""
+            raise InputError(f"{count} readings and priors{why} do not determine {unknown} parameters; "
+                             f"at least {unknown} are needed")  # fmt: skip
+
+    def _objective(self, weights: Array) -> Objective:
+        """Return the sum of squares with given weights: the rows now in use, then the priors."""
+        rows, used, rows_in_use = self.rows, self.used, self.used.any(axis=1)
+        p = len(rows.names)
+        place, center, spread = self.prior[:, 0].astype(int), self.prior[:, 1], self.prior[:, 2]
+        by_prior = np.eye(p)[place] / spread[:, None]
+
+        def residuals(values: Array) -> tuple[Array, Array] | None:
+            state = rows.at(values)
+            if not state.stable[rows_in_use].all():
+                return None
+            off = (weights @ np.where(used, rows.residual(state), 0.0)[:, :, None]).ravel()
+            by = -(weights @ (state.by if rows_in_use.all() else np.nan_to_num(state.by))).reshape(-1, p)
+            if not len(place):
+                return off, by
+            return np.concatenate([off, (values[place] - center) / spread]), np.concatenate([by, by_prior])
+
+        return Objective(residuals, self.lower, self.upper, self.loss, len(place))
+
+    def _result(
+        self, objective: Objective, minimum: Minimum, state: State, noise: Noise, sigma: Array, settled: bool
+    ) -> Identification:
+        rows, values, count = self.rows, minimum.values, int(self.used.sum())
+        data_rows = minimum.residual.size - objective.plain
+        scale = np.maximum(np.abs(values), [find(name).typical for name in rows.names])
+        singular, directions = visible(minimum.jacobian[:data_rows], scale)
+        covariance = self._covariance(minimum, scale, objective.plain)
+        std, dof = np.sqrt(np.diag(covariance)), count - len(values) + objective.plain
+        estimated = bool((noise.origin[self.used] == "residual").any())
+        quantile = _quantile(self.level, min(noise.dof, max(dof, 1) if estimated else np.inf))
+        with np.errstate(invalid="ignore"):
+            low = np.where(np.isfinite(std), np.maximum(values - quantile * std, self.lower), -np.inf)
+            high = np.where(np.isfinite(std), np.minimum(values + quantile * std, self.upper), np.inf)
+            correlation = np.where(np.isfinite(np.outer(std, std)), covariance / np.outer(std, std), np.nan)
+        estimates = {
+            name: Estimate(float(values[i]), float(std[i]), float(low[i]), float(high[i]), find(name).unit)
+            for i, name in enumerate(rows.names)
+        }
+        chi2 = float((minimum.residual[:data_rows] ** 2).sum())
+        changes = dict(zip(rows.names, values.tolist(), strict=True))
+        result = Identification(
+            parameters=estimates,
+            covariance=covariance,
+            correlation=correlation,
+            residual=rows.residual(state),
+            used=self.used,
+            sigma=np.where(self.used, sigma, np.nan),
+            noise=_origins(noise.origin, self.used),
+            left_out=tuple(self._left_out(state)),
+            chi2=chi2,
+            dof=dof,
+            mechanisms=tuple(entry.mechanism.replace(**changes) for entry in rows.sets),
+            warnings=(),
+            settled=settled,
+            solves=rows.solves,
+            level=self.level,
+            quantile=quantile,
+            _objective=objective,
+        )
+        return in_words(result, self.prior, (singular, directions), known=not estimated)
+
+    def _covariance(self, minimum: Minimum, scale: Array, plain: int) -> Array:
+        """Return the covariance of the parameters, (p, p), inf for those that nothing sees.
+
+        For a robust loss that of an M-estimator: the curvature's inverse on both sides of the gradients' covariance.
+        """
+        jacobian, residual = minimum.jacobian * scale, minimum.residual
+        robust = residual.size - plain
+        curvature, spread = np.ones(residual.size), np.ones(residual.size)
+        if self.loss.name != "linear":
+            curvature[:robust] = self.loss.curvature(residual[:robust])
+            spread[:robust] = (self.loss.weight(residual[:robust]) * residual[:robust]) ** 2
+        singular, directions = visible(np.sqrt(curvature)[:, None] * jacobian, np.ones(scale.size))
+        seen = singular > max(1e-7 * float(singular[0]), 1e-12)
+        inverse = (directions[seen].T / singular[seen] ** 2) @ directions[seen]
+        covariance = inverse
+        if self.loss.name != "linear":
+            covariance = inverse @ (jacobian.T * spread @ jacobian) @ inverse
+        covariance = covariance * np.outer(scale, scale)
+        hidden = (np.abs(directions[~seen]) > _HIDDEN).any(axis=0)
+        covariance[hidden, hidden] = np.inf
+        return np.asarray(covariance)
+
+    def _left_out(self, state: State) -> Iterator[tuple[str, str]]:
+        for i in np.flatnonzero(self.rows.wanted.any(axis=1) & ~state.stable):
+            yield self.rows.where(int(i)), Status(int(state.status[i])).name.lower().replace("_", " ")
+
+
+def _experiments(
+    mechanism: Any, data: Any, names: Sequence[str] | None, channels: Sequence[str]
+) -> tuple[list[str], list[FitSet]]:
+    """Return names and experiments of either way to call `identify`."""
+    if isinstance(mechanism, Mechanism):
+        several = [data] if isinstance(data, Measurements) else list(data)
+        experiments: list[Any] = [(mechanism, part) for part in several]
+    else:
+        experiments, names = list(mechanism), data if names is None else names
+    wanted = [names] if isinstance(names, str) else list(names or ())
+    if not wanted or not experiments:
+        raise InputError("nothing to fit: name at least one parameter, and give at least one set of measurements")
+    for name in wanted:
+        if find(name).key == "beam.axial_law":
+            raise InputError("axial_law is a choice, not a number: fit once with each and compare the rms")
+    if len({index(name) for name in wanted}) < len(wanted):
+        raise InputError(f"a parameter is named twice in {', '.join(wanted)}")
+    whole = [(*entry, channels)[:3] for entry in experiments]
+    return wanted, [FitSet(built, measured, tuple(counted)) for built, measured, counted in whole]
+
+
+def _prior(names: Sequence[str], priors: Priors) -> Array:
+    """Return place, value and standard deviation of every prior, (k, 3)."""
+    places = [index(name) for name in names]
+    table = np.empty((len(priors), 3))
+    for row, (name, (value, std)) in enumerate(priors.items()):
+        if index(name) not in places:
+            raise InputError(f"a prior for {name}, which is not fitted: fit it too, or set it in the mechanism")
+        if not 0.0 < std < np.inf:
+            raise InputError(f"standard deviation {shown(std)} of the prior for {name}: allowed is a finite number > 0")
+        table[row] = places.index(index(name)), find(name).check(value), std
+    return table
+
+
+def _same(before: Array, after: Array) -> bool:
+    return bool(np.abs(after - before).max() <= _SAME_WEIGHTS * np.abs(after).max())
+
+
+def _quantile(level: float, dof: float) -> float:
+    """Return how many standard deviations an interval reaches to each side: Student's t, Gaussian for dof = inf."""
+    from scipy.special import ndtri, stdtrit
+
+    p = 0.5 * (1.0 + level)
+    return float(ndtri(p) if np.isinf(dof) else stdtrit(dof, p))
+
+
+def _origins(origin: NDArray[np.str_], used: Mask) -> dict[str, str]:
+    """Return by channel where the standard deviations of its readings come from."""
+    found = {name: sorted(set(origin[used[:, i], i].tolist())) for i, name in enumerate(CHANNELS)}
+    return {name: " and ".join(kinds) for name, kinds in found.items() if kinds}

@@ -1,0 +1,241 @@
+"""What a fit found: values with intervals, what they rest on, and warnings in words."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..data.columns import COLUMNS
+from ..errors import InputError, did_you_mean
+from ..mechanism.mechanism import Mechanism
+from .least_squares import Loss, Minimum, Residuals, minimize
+from .rows import CHANNELS
+
+__all__ = ["Estimate", "Identification", "Objective", "Profile"]
+
+Array = NDArray[np.float64]
+
+_SEARCHES = 12
+_PLACES = 8
+"""Decimals beyond which a number is written with its power of ten."""
+_CLOSE = 1e-3  # of the root that a profile is searched for
+_WIDER = 1.3
+"""How much farther than its interval a profile's curve goes."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One parameter.
+
+    Attributes
+    ----------
+    value : where the sum of squares is smallest
+    std : standard deviation; inf where the data do not see the parameter
+    lower, upper : interval, `value` less and plus a quantile times `std`, cut at the parameter's bounds
+    unit : of all four
+    """
+
+    value: float
+    std: float
+    lower: float
+    upper: float
+    unit: str
+
+    @property
+    def rounded(self) -> str:
+        """Value and standard deviation with the unit, both to the second digit of the latter."""
+        unit = "" if self.unit == "-" else f" {self.unit}"
+        return f"{self._text(self.value)} +- {self._text(self.std)}{unit}"
+
+    def _text(self, number: float) -> str:
+        """Return a number with as many decimals as the standard deviation deserves."""
+        places = 1 - math.floor(math.log10(self.std)) if 0.0 < self.std < math.inf else _PLACES + 1
+        return f"{number:.{max(places, 0)}f}" if places <= _PLACES else f"{number:.6g}"
+
+    def __repr__(self) -> str:
+        return f"{self.rounded} ({self._text(self.lower)} to {self._text(self.upper)})"
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """How much worse the fit gets when one parameter is held and the others adapt.
+
+    Attributes
+    ----------
+    name : of the parameter
+    values : (k,) at which it was held, rising
+    rise : (k,) of the sum of squares above its minimum
+    lower, upper : interval: where `rise` reaches `threshold`; the parameter's bound where it never does
+    threshold : square of the quantile
+    level : the interval's probability
+    """
+
+    name: str
+    values: Array = field(repr=False)
+    rise: Array = field(repr=False)
+    lower: float
+    upper: float
+    threshold: float
+    level: float
+
+
+@dataclass(frozen=True, eq=False)
+class Objective:
+    """The sum of squares that was minimized, kept for profiles."""
+
+    residuals: Residuals
+    lower: Array
+    upper: Array
+    loss: Loss
+    plain: int
+
+    def held(self, place: int, value: float, start: Array) -> Minimum:
+        """Return the minimum over all parameters but one."""
+        lower, upper = self.lower.copy(), self.upper.copy()
+        lower[place] = upper[place] = value
+        return minimize(self.residuals, start, lower, upper, self.loss, self.plain)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Identification:
+    """Parameters identified from measurements.
+
+    Attributes
+    ----------
+    parameters : estimates by name
+    covariance : (p, p), inf on the diagonal where the data do not see a parameter
+    correlation : (p, p), nan where one of the two is not seen
+    residual : (n, 3) measured less predicted x, z, theta [m, m, rad], the experiments one below the other
+    used : (n, 3) which of these entries the fit counted
+    sigma : (n, 3) standard deviation that each reading of the camera was given
+    noise : by channel, where these come from: declared, replicates or residual
+    left_out : place and reason of every row that holds a reading to fit but could not be used
+    chi2, dof : weighted sum of squares without priors, and its degrees of freedom
+    mechanisms : one an experiment, with the values found
+    warnings : what to know before the numbers are used
+    settled : whether the minimum was reached
+    solves : how many equilibria it took
+    level : probability of the intervals
+    """
+
+    parameters: Mapping[str, Estimate]
+    covariance: Array
+    correlation: Array
+    residual: Array
+    used: NDArray[np.bool_]
+    sigma: Array
+    noise: Mapping[str, str]
+    left_out: tuple[tuple[str, str], ...]
+    chi2: float
+    dof: int
+    mechanisms: tuple[Mechanism, ...]
+    warnings: tuple[str, ...]
+    settled: bool
+    solves: int
+    level: float
+    quantile: float
+    _objective: Objective
+
+    def __getitem__(self, name: str) -> Estimate:
+        """Return the estimate of one parameter, named as it was asked for."""
+        if name not in self.parameters:
+            raise InputError(f"{name!r} was not fitted{did_you_mean(str(name), self.parameters)}; these were: "
+                             f"{', '.join(self.parameters)}")  # fmt: skip
+        return self.parameters[name]
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The mechanism of the first experiment, with the values found."""
+        return self.mechanisms[0]
+
+    @property
+    def values(self) -> Array:
+        """The values in the order of the names, (p,)."""
+        return np.array([estimate.value for estimate in self.parameters.values()])
+
+    @property
+    def rows(self) -> int:
+        """How many rows the fit counted."""
+        return int(self.used.any(axis=1).sum())
+
+    @cached_property
+    def rms(self) -> dict[str, float | None]:
+        """Root mean square of `residual` by channel, ``x_m``, ``z_m``, ``theta_rad``, fitted or not."""
+        known = [column[np.isfinite(column)] for column in self.residual.T]
+        return {
+            COLUMNS[name].names[0]: float(np.sqrt(np.mean(entries**2))) if entries.size else None
+            for name, entries in zip(CHANNELS, known, strict=True)
+        }
+
+    def profile(self, name: str, points: int = 11) -> Profile:
+        """Return the profile of one parameter: no parabola is assumed, only that the noise is what was taken.
+
+        Parameters
+        ----------
+        name : as it was asked for
+        points : of the curve, besides those that the interval's ends took
+
+        Raises
+        ------
+        InputError : the parameter was not fitted, or the data do not see it.
+        """
+        estimate = self[name]
+        if not np.isfinite(estimate.std):
+            raise InputError(f"{name} has no profile: the data do not see it")
+        place, best = list(self.parameters).index(name), self.values
+        floor = self._objective.held(place, estimate.value, best).total
+        known = {estimate.value: (0.0, best)}
+
+        def rise(value: float) -> float:
+            if value not in known:
+                nearest = min(known, key=lambda other: abs(other - value))
+                minimum = self._objective.held(place, value, known[nearest][1])
+                known[value] = max(minimum.total - floor, 0.0), minimum.values
+            return known[value][0]
+
+        ends = [
+            _reach(rise, estimate.value, sign * self.quantile * estimate.std, float(bound), self.quantile)
+            for sign, bound in ((-1.0, self._objective.lower[place]), (1.0, self._objective.upper[place]))
+        ]
+        wide = [estimate.value + _WIDER * (end - estimate.value) for end in ends]
+        low, high = np.clip(wide, self._objective.lower[place], self._objective.upper[place])
+        for value in sorted(np.linspace(low, high, points), key=lambda value: abs(value - estimate.value)):
+            rise(float(value))
+        values = sorted(known)
+        rises = np.array([known[value][0] for value in values])
+        return Profile(name, np.array(values), rises, ends[0], ends[1], self.quantile**2, self.level)
+
+    def __repr__(self) -> str:
+        noise = ", ".join(f"{name} {origin}" for name, origin in self.noise.items())
+        lines = [f"<Identification from {self.rows} rows, {self.level:.0%} intervals; noise: {noise}"]
+        lines += [f"  {name} {estimate}" for name, estimate in self.parameters.items()]
+        rms = ", ".join(f"{name} {value:.3g}" for name, value in self.rms.items() if value is not None)
+        lines += [f"  rms {rms}; chi2 {self.chi2:.4g} with {self.dof} degrees of freedom"]
+        lines += [f"  left out: {where}: {reason}" for where, reason in self.left_out]
+        return "\n".join(lines + [f"  warning: {text}" for text in self.warnings]) + ">"
+
+
+def _reach(rise: Callable[[float], float], best: float, step: float, bound: float, target: float) -> float:
+    """Return where the root of `rise` meets `target`, away from `best` in the direction of `step`.
+
+    The root is close to a straight line through `best`, so each search goes where that line says.
+    """
+    beyond = abs(bound - best)
+    inside, outside, size = 0.0, np.inf, abs(step)
+    for _ in range(_SEARCHES):
+        size = min(size, beyond)
+        root = np.sqrt(rise(best + np.copysign(size, step)))
+        if abs(root - target) <= _CLOSE * target:
+            break
+        if root < target:
+            if size == beyond:
+                return bound
+            inside = size
+        else:
+            outside = size
+        line = size * target / root if root > 0.1 * target else 4.0 * size
+        size = line if inside < line < outside else 0.5 * (inside + min(outside, 4.0 * size))
+    return float(best + np.copysign(size, step))

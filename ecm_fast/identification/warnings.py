@@ -1,0 +1,90 @@
+"""What a fit should make one doubt, in words, each with its number."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .result import Identification
+
+__all__ = ["in_words"]
+
+Array = NDArray[np.float64]
+
+_UNSEEN = 1.0  # standard deviation of a combination, in units of the parameters' own size
+_PART = 0.1  # smallest part of a combination that is worth naming
+_CORRELATED, _DRIFTED, _IMPLAUSIBLE = 0.99, 3.0, 1e-3
+_NEAR_BOUND = 1e-9
+
+
+def in_words(fit: Identification, prior: Array, seen: tuple[Array, Array], *, known: bool) -> Identification:
+    """Return the fit with its warnings.
+
+    Parameters
+    ----------
+    fit : as found
+    prior : (k, 3) place, value and standard deviation
+    seen : singular values and directions of what the data see, priors left out, see `least_squares.visible`
+    known : whether the noise is known from elsewhere than the residual
+    """
+    texts = [*_unseen(fit, prior, seen), *_bounds(fit), *_drift(fit, prior), *_correlated(fit), *_misfit(fit, known)]
+    if not fit.settled:
+        texts.append("the fit stopped before it settled: better start values or a prior may help")
+    if fit.left_out:
+        where, reason = fit.left_out[0]
+        texts.append(f"{len(fit.left_out)} rows are left out; {where}: {reason}")
+    return replace(fit, warnings=tuple(texts))
+
+
+def _unseen(fit: Identification, prior: Array, seen: tuple[Array, Array]) -> Iterator[str]:
+    names, (singular, directions) = list(fit.parameters), seen
+    held = {int(place) for place in prior[:, 0]}
+    for value, direction in zip(singular, directions, strict=True):
+        if value * _UNSEEN >= 1.0 and value > 1e-7 * singular[0]:
+            continue
+        parts = [i for i in np.argsort(-np.abs(direction)) if abs(direction[i]) > _PART]
+        ratio = f"relative singular value {value / max(float(singular[0]), 1e-300):.1g}"
+        rest = "; the prior alone sets it" if held & set(parts) else "; it keeps its start value or strays"
+        if len(parts) == 1:
+            yield f"{names[parts[0]]} cannot be seen in the data ({ratio}){rest}"
+            continue
+        direction = direction * np.sign(direction[parts[0]])
+        words = " ".join(f"{direction[i]:+.2f} {names[i]}" for i in parts)
+        yield f"the combination {words}, each in units of its own size, cannot be seen in the data ({ratio}){rest}"
+
+
+def _bounds(fit: Identification) -> Iterator[str]:
+    for place, (name, estimate) in enumerate(fit.parameters.items()):
+        for bound in (fit._objective.lower[place], fit._objective.upper[place]):
+            if abs(estimate.value - bound) <= _NEAR_BOUND * max(abs(bound), 1e-3):
+                yield f"{name} = {estimate.value:g} sits on its bound {bound:g} {estimate.unit}: it wants to go beyond"
+
+
+def _drift(fit: Identification, prior: Array) -> Iterator[str]:
+    names = list(fit.parameters)
+    for place, center, spread in prior:
+        name = names[int(place)]
+        off = (fit[name].value - center) / spread
+        if abs(off) > _DRIFTED:
+            yield (f"{name} = {fit[name].value:.6g} drifts {off:+.1f} standard deviations away from its prior, "
+                   f"{center:g} +- {spread:g} {fit[name].unit}")  # fmt: skip
+
+
+def _correlated(fit: Identification) -> Iterator[str]:
+    names = list(fit.parameters)
+    for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
+        if abs(fit.correlation[i, j]) > _CORRELATED:
+            size = f"{fit.correlation[i, j]:+.4f}"
+            yield f"{names[i]} and {names[j]} are correlated by {size}: the data tell one from the other, not both"
+
+
+def _misfit(fit: Identification, known: bool) -> Iterator[str]:
+    if not known or fit.dof < 1 or fit._objective.loss.name != "linear":
+        return
+    from scipy.special import chdtrc
+
+    chance = float(chdtrc(fit.dof, fit.chi2))
+    if chance < _IMPLAUSIBLE:
+        yield (f"the residual is {np.sqrt(fit.chi2 / fit.dof):.2f} times the noise (chi2 {fit.chi2:.4g} with {fit.dof} "
+               f"degrees of freedom): something is missing in the model, and the intervals are too narrow")  # fmt: skip

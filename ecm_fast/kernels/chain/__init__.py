@@ -1,0 +1,1 @@
+"""The chain path: several elements, each condensed, coupled by sweeps along the beam."""

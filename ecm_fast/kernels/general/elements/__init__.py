@@ -1,0 +1,1 @@
+"""Elements of every family: their residuals and tangents."""

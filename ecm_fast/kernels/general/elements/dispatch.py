@@ -1,0 +1,32 @@
+"""Which element a compiled solve is made of: the type of the tables it is given decides while it is compiled.
+
+So a solve of Lagrange elements knows nothing of the other families, and each family costs its own compilation only.
+Every family's module of kernels has the four functions below, with these arguments:
+
+sizes(tables)                                           Gauss points and nodes of an element
+element(tables, stations, gravity, q, res, K, room)     adds an element's residual and tangent
+element_residual(tables, stations, gravity, q, res)     adds the residual alone, real or complex
+take(tables, q, step, fresh)                            moves the whole beam by Newton's step
+"""
+
+from typing import Any
+
+from ....mesh.families import Se2Tables, StrainTables
+from ..._jit import by_first_type
+from . import lagrange, se2, strain
+
+__all__ = ["element", "element_residual", "kernels_for", "sizes", "take"]
+
+MODULES: dict[Any, Any] = {Se2Tables: se2, StrainTables: strain}
+"""Kernels by the type of the tables; arrays are those of the Lagrange family."""
+
+
+def kernels_for(tables: Any) -> Any:
+    """Return the module of kernels for tables, or for the type of tables that the compiler sees."""
+    return MODULES.get(getattr(tables, "instance_class", type(tables)), lagrange)
+
+
+sizes: Any = by_first_type(lambda tables: kernels_for(tables).sizes)
+element: Any = by_first_type(lambda tables: kernels_for(tables).element)
+element_residual: Any = by_first_type(lambda tables: kernels_for(tables).element_residual)
+take: Any = by_first_type(lambda tables: kernels_for(tables).take)

@@ -1,0 +1,139 @@
+"""The cross-section: from strains to contact force and couple, and their derivatives."""
+
+import numpy as np
+
+from .._jit import kernel
+from ..layout import (
+    S_AMPLITUDE,
+    S_BIMODULUS,
+    S_CUBIC,
+    S_EA,
+    S_EI,
+    S_FURTHER,
+    S_GA,
+    S_HOOKE,
+    S_KAPPA0,
+    S_LAW,
+    S_MOONEY,
+    S_NEO_HOOKEAN,
+    S_OFFSET,
+    S_OGDEN,
+    S_ONE_SIDED,
+    S_PLACE,
+    S_SHEAR_COMPRESSION,
+    S_SHEAR_CUBIC,
+    S_USER,
+)
+from ..user_laws import added
+
+__all__ = ["axial_law", "section_law"]
+
+
+@kernel
+def axial_law(EA, hooke, stretch):
+    """Axial force and its derivative by the stretch, [C1] of `reference.section`."""
+    inv = 1.0 / stretch
+    inv2 = inv * inv
+    third = EA / 3.0
+    force = EA * (stretch - 1.0) if hooke.real > 0.5 else third * (stretch - inv2)
+    slope = EA if hooke.real > 0.5 else third * (1.0 + 2.0 * inv2 * inv)
+    return force, slope
+
+
+@kernel
+def section_law(station, gamma_x, gamma_z, kappa):
+    """Contact force and couple of one section, [C2] of `reference.section`.
+
+    station : (N_STATION,)
+    gamma_x, gamma_z, kappa : [-, -, 1/m]
+
+    Returns N [N], Q [N], M [N m] and their derivatives, which are symmetric: N by gamma_x, gamma_z, kappa, Q by gamma_z
+    and kappa, M by kappa.
+    """
+    offset = station[S_OFFSET]
+    g, u = gamma_x + offset * kappa, kappa - station[S_KAPPA0]
+    N, N_g = axial_law(station[S_EA], station[S_HOOKE], g)
+    if station[S_FURTHER] == 0.0:
+        Q, M = station[S_GA] * gamma_z, station[S_EI] * u + offset * N
+        none, N_kappa = 0.0 * N_g, offset * N_g
+        return N, Q, M, N_g, none, N_kappa, station[S_GA] + none, none, station[S_EI] + offset * N_kappa
+    b, b_u = _bending(station, u)
+    c, c_g = _axial(station, g)
+    d_g, d_u, d_gg, d_gu, d_uu = _compressed(station, g, u)
+    m_g, m_u, m_gg, m_gu, m_uu = _bimodular(station, g, u)
+    Q, Q_z, Q_g, q_g, q_gg = _shear(station, g, gamma_z, N_g)
+    Q, Q_z = Q + station[S_SHEAR_COMPRESSION] * N * gamma_z, Q_z + station[S_SHEAR_COMPRESSION] * N
+    N, N_g, N_u = N + c + d_g + m_g + q_g, N_g + c_g + d_gg + m_gg + q_gg, d_gu + m_gu
+    M, M_u = station[S_EI] * u + b + d_u + m_u, station[S_EI] + b_u + d_uu + m_uu
+    N_kappa = offset * N_g + N_u
+    M, Q_kappa, M_kappa = M + offset * N, offset * Q_g, M_u + offset * (N_u + N_kappa)
+    if station[S_LAW] != 0.0:
+        (n, q, m), by = added(gamma_x, gamma_z, kappa, station[S_LAW], station[S_USER:], station[S_PLACE])
+        N, Q, M, N_g, Q_g, N_kappa = N + n, Q + q, M + m, N_g + by[0], Q_g + by[1], N_kappa + by[2]
+        Q_z, Q_kappa, M_kappa = Q_z + by[3], Q_kappa + by[4], M_kappa + by[5]
+    return N, Q, M, N_g, Q_g, N_kappa, Q_z, Q_kappa, M_kappa
+
+
+@kernel
+def _bending(station, u):
+    """What nonlinear bending laws add to the couple, and its derivative by u, [C4] of `reference.section`."""
+    size = u if u.real > 0.0 else -u
+    cubic, amplitude, one_sided = station[S_CUBIC], station[S_AMPLITUDE], station[S_ONE_SIDED]
+    further = u * (cubic * u * u + amplitude * size + one_sided * u)
+    slope = 3.0 * cubic * u * u + 2.0 * (amplitude * size + one_sided * u)
+    return station[S_EI] * further, station[S_EI] * slope
+
+
+@kernel
+def _axial(station, g):
+    """What other axial laws add to the axial force, and its derivative by g, [C5] of `reference.section`."""
+    third, inv = station[S_EA] / 3.0, 1.0 / g
+    inv2 = inv * inv
+    plain, plain_g = g - inv2, 1.0 + 2.0 * inv2 * inv
+    share = third * station[S_MOONEY]
+    force, slope = share * plain * (inv - 1.0), share * (plain_g * (inv - 1.0) - plain * inv2)
+    if station[S_OGDEN] != 0.0:
+        m = 2.0 + station[S_OGDEN]
+        log = np.log(g)
+        up, down = np.exp((m - 1.0) * log), np.exp(-(0.5 * m + 1.0) * log)
+        force += third * (2.0 / m * (up - down) - plain)
+        slope += third * (2.0 / m * ((m - 1.0) * up + (0.5 * m + 1.0) * down) * inv - plain_g)
+    return force, slope
+
+
+@kernel
+def _compressed(station, g, u):
+    """Neo-Hookean law in every fibre: derivatives of the energy it adds by g, u, gg, gu, uu, [C6]."""
+    size, inv = station[S_NEO_HOOKEAN] * station[S_EI], 1.0 / g
+    inv3 = inv * inv * inv
+    stiffer, inv4 = size * 2.0 / 3.0 * (inv3 - 1.0), size * inv3 * inv
+    return -u * u * inv4, u * stiffer, 4.0 * u * u * inv4 * inv, -2.0 * u * inv4, stiffer
+
+
+@kernel
+def _bimodular(station, g, u):
+    """Stiffer in tension: derivatives of the energy it adds by g, u, gg, gu, uu, [C7]."""
+    h = np.sqrt(12.0 * station[S_EI] / station[S_EA])
+    size = 0.5 * station[S_BIMODULUS] * station[S_EA] / h
+    v, mean = u if u.real > 0.0 else -u, g - 1.0
+    outer, inner = mean + 0.5 * h * v, mean - 0.5 * h * v
+    if not outer.real > 0.0:
+        return 0.0 * mean, 0.0 * mean, 0.0 * mean, 0.0 * mean, 0.0 * mean
+    if inner.real >= 0.0:
+        third = size * h * h * h / 6.0
+        return 2.0 * size * h * mean, third * u, 2.0 * size * h + 0.0 * mean, 0.0 * mean, third + 0.0 * mean
+    sign, by = 1.0 if u.real > 0.0 else -1.0, outer / v
+    I_v = by * (0.5 * h * outer - outer * by / 3.0)
+    I_vv = by * (0.5 * h * h - h * by + 2.0 / 3.0 * by * by)
+    return size * outer * by, sign * size * I_v, 2.0 * size * by, sign * size * by * (h - by), size * I_vv
+
+
+@kernel
+def _shear(station, g, gamma_z, N_g):
+    """Shear force but for its share of N; derivatives of Q by gamma_z and g; what N and its slope gain, [C8]."""
+    size = station[S_SHEAR_COMPRESSION]
+    cubic, gamma2 = station[S_SHEAR_CUBIC], gamma_z * gamma_z
+    inv2 = 1.0 / (g * g)
+    N_gg = 0.0 * g if station[S_HOOKE].real > 0.5 else -2.0 * station[S_EA] * inv2 * inv2
+    Q, Q_z = station[S_GA] * gamma_z * (1.0 + cubic * gamma2), station[S_GA] * (1.0 + 3.0 * cubic * gamma2)
+    return Q, Q_z, size * N_g * gamma_z, 0.5 * size * N_g * gamma2, 0.5 * size * N_gg * gamma2

@@ -1,0 +1,1 @@
+"""The mechanism: its sections, its parameter vector, its file, and the catalogue of effects."""

@@ -1,0 +1,125 @@
+"""Mechanism files: TOML, SI, radians; every key optional; what it cannot be is said in one line."""
+
+import os
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, did_you_mean, key_shown, shown, why
+from ..files import write_whole
+from .catalogue import CATALOGUE
+from .mechanism import PRESETS, SECTIONS, Effects, Mechanism
+from .parameters import PARAMETERS
+from .quantity import Quantity
+
+__all__ = ["read_mechanism", "template", "write_mechanism"]
+
+
+def read_mechanism(path: str | os.PathLike[str]) -> Mechanism:
+    """Read a mechanism file.
+
+    Raises
+    ------
+    InputError : the file cannot be read, is not TOML, or holds a key or value that cannot be; one line with
+        file, key, value and what is allowed.
+    """
+    try:
+        content = tomllib.loads(Path(path).read_bytes().decode("utf-8-sig"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({why(error)})") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: not a TOML file ({str(error).splitlines()[0]})") from None
+    try:
+        return _mechanism(content)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def _mechanism(content: dict[str, Any]) -> Mechanism:
+    tables = {**SECTIONS, "effects": Effects}
+    for key, value in content.items():
+        if key == "preset":
+            continue
+        if key not in tables:
+            raise InputError(f"unknown key {shown(key)}{did_you_mean(key, ['preset', *tables])}; allowed are "
+                             f"preset, {', '.join(tables)}")  # fmt: skip
+        if not isinstance(value, dict):
+            raise InputError(f"{key} = {shown(value)}: allowed is a table, written [{key}]")
+    mechanism = Mechanism.preset(_preset(content))
+    changes = {f"{section}.{name}": value for section, name, value in _entries(content)}
+    return mechanism.replace(**changes)
+
+
+def _preset(content: Mapping[str, Any]) -> str:
+    name = content.get("preset", "slender")
+    if not isinstance(name, str):
+        raise InputError(f"preset = {shown(name)}: allowed is {' or '.join(map(repr, PRESETS))}")
+    return name
+
+
+def _entries(content: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
+    """Yield (section, name, value) of every entry given, sub-tables of effects flattened."""
+    for section, cls in SECTIONS.items():
+        names = list(cls.__dataclass_fields__)
+        for name, value in content.get(section, {}).items():
+            if name not in names:
+                raise InputError(f"unknown key {section}.{key_shown(name)}{did_you_mean(name, names)}; allowed are "
+                                 f"{', '.join(names)}")  # fmt: skip
+            yield section, name, value
+    for name, value in content.get("effects", {}).items():
+        if name not in CATALOGUE:
+            raise InputError(f"unknown effect effects.{key_shown(name)}{did_you_mean(name, CATALOGUE)}; "
+                             "the command 'effects' lists them")  # fmt: skip
+        if not isinstance(value, dict):
+            yield "effects", CATALOGUE[name].size.name, value
+            continue
+        allowed = {entry.name.removeprefix(f"{name}."): entry.name for entry in CATALOGUE[name]}
+        for part, number in value.items():
+            if part not in allowed:
+                raise InputError(f"unknown key effects.{name}.{key_shown(part)}{did_you_mean(part, allowed)}; "
+                                 f"allowed are {', '.join(allowed)}")  # fmt: skip
+            yield "effects", allowed[part], number
+
+
+def write_mechanism(mechanism: Mechanism, path: str | os.PathLike[str], remarks: Iterable[str] = ()) -> None:
+    """Write every value of a mechanism, each with its unit and meaning; reading it gives the same mechanism.
+
+    remarks : what else a reader should know, for comments at the top
+    """
+    text = _text(mechanism, {entry.key: entry for entry in PARAMETERS}, with_source=False)
+    title, rest = text.split("\n", 1)
+    write_whole(path, "\n".join([title, *(f"# {_printable(remark)}" for remark in remarks), rest]))
+
+
+def template(preset: str = "slender") -> str:
+    """Return a mechanism file with a preset's values, commented with unit, meaning and where each comes from."""
+    entries = {entry.key: entry for entry in PARAMETERS} | PRESETS.get(preset, {})
+    return _text(Mechanism.preset(preset), entries, with_source=True)
+
+
+def _text(mechanism: Mechanism, entries: Mapping[str, Quantity], *, with_source: bool) -> str:
+    lines = ["# A mechanism of ecm-fast: SI units, angles in radians. Every key is optional."]
+    for section, cls in SECTIONS.items():
+        lines += ["", f"[{section}]"]
+        for name in cls.__dataclass_fields__:
+            entry, value = entries[f"{section}.{name}"], getattr(getattr(mechanism, section), name)
+            source = f" ({entry.status}: {entry.source})" if with_source else ""
+            lines.append(f"{name} = {_literal(value)}  # {_unit(entry)}{entry.meaning}{source}")
+    lines += ["", "[effects]  # absent means 0; below 0 is the other way round than said"]
+    for name, value in mechanism.effects.items():
+        entry = entries[f"effects.{name}"]
+        lines.append(f"{name} = {_literal(value)}  # {_unit(entry)}{entry.meaning}")
+    return "\n".join(lines) + "\n"
+
+
+def _printable(text: str) -> str:
+    return "".join(letter if letter.isprintable() else " " for letter in text)
+
+
+def _unit(entry: Quantity) -> str:
+    return "" if entry.unit == "-" else f"[{entry.unit}] "
+
+
+def _literal(value: float | str) -> str:
+    return f'"{value}"' if isinstance(value, str) else repr(value)

@@ -1,0 +1,1 @@
+"""Elements, nodes and Gauss points along the beam."""

@@ -1,0 +1,1 @@
+"""Models of a mechanism: finite elements, batches, inverse, sensitivities, polynomial."""

@@ -1,0 +1,288 @@
+"""The finite element model of a mechanism: a thin shell over the kernels."""
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError, shown
+from ..kernels.general.newton import solve
+from ..kernels.general.sensitivity import tip_derivatives
+from ..kernels.layout import N_LOADS, N_OUT, O_FACTOR, O_ITERATIONS, O_THETA, O_X, O_Z
+from ..kernels.prepare import prepare
+from ..mechanism.mechanism import Mechanism
+from ..mechanism.parameters import pack
+from ..mesh.discretization import Discretization
+from ..mesh.families import find_family
+from .batch import fast_path, solve_cases, work_arrays
+from .equilibrium import BatchResult, Equilibrium, Status
+from .inverse import Inverse
+from .loads import last_step, many_loads, one_load, parameter_rows
+from .paths.chain import Chain
+from .paths.condensed import Condensation
+from .paths.general import Step, robust_stepper
+from .sensitivity import Sensitivities, sensitivities
+
+__all__ = ["FiniteElementModel"]
+
+Array = NDArray[np.float64]
+# fewer cases than this do not pay for fitting where they start
+WORTH_A_GUESS = 1024
+# largest error of one element by its order, over the wrench box and the tendon forces of the paper, slender neck
+ERRORS = {3: 2e-4, 4: 1e-5, 5: 5e-7, 6: 1e-8}
+
+
+class FiniteElementModel:
+    """Statics of a neck: from tendon forces and a dead wrench at Q to the pose of the tip.
+
+    Parameters
+    ----------
+    mechanism : what is built
+    elements : how many elements, or their relative lengths from the clamp; default one
+    order : of the shape functions, 1 to 6; default what `accuracy` needs, if the family goes that far
+    gauss : Gauss points per element; default as many as neither lock nor waste
+    family : ``"lagrange"``, ``"se2"`` or ``"strain"``, see `families`
+    accuracy : largest error of the tip pose, in rad and shares of the length, that the discretization may leave where
+        a mechanism like the presets is driven by tendons up to 160 N or wrenches up to (330 N, 80 N, 11 N m); chooses
+        the order of one element: 3 to 6 for 2e-4, 1e-5, 5e-7 and 1e-8
+
+    Notes
+    -----
+    The default, one element of order 5, leaves an error below 1e-6, and below 1e-9 where tendons alone drive the neck.
+    One element of order 3 to 6 is solved on the fast path of `kernels.condensed`, any other number and
+    order on that of `kernels.chain`, and what neither takes or vouches for by `kernels.newton`: the same discrete
+    equations, the same solution to rounding. ``elements=20, order=1`` is the paper's discretization.
+
+    Families other than Lagrange's are for studies: they go the general path throughout.
+
+    A model is immutable in use but owns work arrays: each thread needs its own.
+
+    Examples
+    --------
+    >>> model = FiniteElementModel(Mechanism.preset("slender"))
+    >>> eq = model.solve((40.0, 10.0))
+    >>> eq.stable
+    True
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism | None = None,
+        elements: int | ArrayLike = 1,
+        order: int | None = None,
+        gauss: int | None = None,
+        *,
+        family: str = "lagrange",
+        accuracy: float = 1e-6,
+    ) -> None:
+        self.mechanism = Mechanism() if mechanism is None else mechanism
+        if order is None:
+            order = min(_order(accuracy), find_family(family).highest_order)
+        self.discretization = Discretization.of(elements, order, gauss, family)
+        self._par = pack(self.mechanism)
+        self._system = work_arrays(self.discretization)
+        stations, tip, q_rest, _, _ = self._system
+        self._inverse: tuple[tuple[float, ...], Inverse] | None = None
+        prepare(self._par, self.discretization.mesh, self.discretization.nodes, stations, tip, q_rest)
+
+    @cached_property
+    def _condensed(self) -> Condensation | Chain | None:
+        """The fast path, made when first needed; None where it does not apply."""
+        return fast_path(self.discretization, *self._system[:3])
+
+    @property
+    def path(self) -> Literal["condensed", "chain", "general"]:
+        """The quickest way of solving that the mechanism and its discretization permit."""
+        fast = self._condensed
+        return "general" if fast is None else "condensed" if isinstance(fast, Condensation) else "chain"
+
+    @property
+    def tip(self) -> Array:
+        """Constants of the head plate as the kernels take them, (N_TIP,), see `kernels.layout`; a copy."""
+        return self._system[1].copy()
+
+    def solve(self, lam: ArrayLike = (0.0, 0.0), wrench: ArrayLike = (0.0, 0.0, 0.0)) -> Equilibrium:
+        """Return the equilibrium on the stable branch that grows from the unloaded state.
+
+        Parameters
+        ----------
+        lam : (2,) tendon forces left, right, >= 0 [N]
+        wrench : (3,) dead wrench at Q in world axes: fx, fz [N], tau [N m]
+
+        Raises
+        ------
+        InputError : a shape is wrong, or a number is not finite or negative where it may not be.
+        """
+        loads = one_load(lam, wrench)
+        bad = ~np.isfinite(loads)
+        if bad.any():
+            name = ("lam_l", "lam_r", "fx", "fz", "tau")[int(np.argmax(bad))]
+            raise InputError(f"{name} = {loads[bad][0]}: allowed is a finite number")
+        stations, tip, q_rest, q, work = self._system
+        tables, out = self.discretization.tables, np.empty(N_OUT)
+        status = Status(solve(tables, stations, tip, q_rest, loads, q, work, out))
+        compliance, jacobian = np.full((3, 3), np.nan), np.full((3, 2), np.nan)
+        if status.converged:
+            n = q.size
+            rest, step = work[2 * n + N_LOADS :], work[:n]
+            tip_derivatives(tables, stations, tip, loads, q, rest, step, compliance, jacobian)
+        else:
+            out[[O_X, O_Z, O_THETA]] = np.nan
+        return Equilibrium(
+            x=float(out[O_X]),
+            z=float(out[O_Z]),
+            theta=float(out[O_THETA]),
+            status=status,
+            iterations=int(out[O_ITERATIONS]),
+            load_factor=float(out[O_FACTOR]),
+            jacobian=jacobian,
+            compliance=compliance,
+            q=q.copy(),
+            discretization=self.discretization,
+        )
+
+    def solve_batch(
+        self,
+        lam: ArrayLike,
+        wrench: ArrayLike | None = None,
+        *,
+        parameters: ArrayLike | None = None,
+        tolerance: float = 1e-9,
+        threads: int = 1,
+        out: BatchResult | None = None,
+    ) -> BatchResult:
+        """Solve many cases, each as `solve` does; a case that fails has its status and a pose of nan.
+
+        Parameters
+        ----------
+        lam : (n, 2) tendon forces [N]
+        wrench : (n, 3) dead wrenches at Q, or (3,) for all [N, N, N m]; default none
+        parameters : (n, n_parameters) a parameter vector for each case instead of the model's mechanism
+        tolerance : largest error that Newton's method may leave, in rad and shares of the length
+        threads : how many threads share the cases
+        out : the result of as many other cases, overwritten and returned: batch after batch, fresh memory costs a
+            third of the solving
+
+        Raises
+        ------
+        InputError : a shape is wrong, or a tendon force is negative; names the row.
+        """
+        tensions, dead = many_loads(lam, wrench)
+        last2, mesh = last_step(tolerance), self.discretization
+        if out is not None and len(out) != len(tensions):
+            raise InputError(f"out has {len(out)} cases: allowed is {len(tensions)}, as many as there are loads")
+        if parameters is not None:
+            par = parameter_rows(parameters, len(tensions))
+            return solve_cases(mesh, None, par, tensions, dead, last2, threads, out)
+        return solve_cases(mesh, self._condensed, self._par[None], tensions, dead, last2, threads, out)
+
+    def sensitivities(
+        self,
+        names: Sequence[str],
+        lam: ArrayLike,
+        wrench: ArrayLike | None = None,
+        *,
+        parameters: ArrayLike | None = None,
+        tolerance: float = 1e-9,
+    ) -> Sensitivities:
+        """Solve many cases, and differentiate their poses by loads and by any parameters of the mechanism.
+
+        Exact, by the implicit function theorem on the factor of Newton's last step: no parameter costs a solve.
+
+        Parameters
+        ----------
+        names : of the parameters, e.g. ``["EA", "precurvature"]``; none is allowed
+        lam, wrench, parameters, tolerance : as for `solve_batch`
+
+        Raises
+        ------
+        InputError : no such parameter, or as `solve_batch` does.
+        """
+        tensions, dead = many_loads(lam, wrench)
+        par = self._par[None] if parameters is None else parameter_rows(parameters, len(tensions))
+        return sensitivities(self.discretization, names, par, tensions, dead, last_step(tolerance))
+
+    def inverse(
+        self,
+        *,
+        theta: float | None = None,
+        x: float | None = None,
+        z: float | None = None,
+        co_contraction: float | None = None,
+        wrench: ArrayLike = (0.0, 0.0, 0.0),
+        lam_max: float = 160.0,
+    ) -> Array:
+        """Return the tendon forces (2,) [N] that meet two wishes.
+
+        Parameters
+        ----------
+        theta, x, z : tip angle and position [rad, m, m]
+        co_contraction : mean of both tendon forces [N]
+        wrench : (3,) dead wrench at Q [N, N, N m]
+        lam_max : largest allowed tendon force [N]; the smallest is 0
+
+        Raises
+        ------
+        OutOfReach : no allowed forces meet both; the text gives the nearest that can be had and its forces.
+        InputError : not two wishes, or a number that is not finite.
+        """
+        if not 0.0 < lam_max < np.inf:
+            raise InputError(f"lam_max = {shown(lam_max)}: allowed is a positive number")
+        loads = one_load(np.zeros(2), wrench)
+        key = (*loads.tolist(), float(lam_max))
+        if self._inverse is None or self._inverse[0] != key:
+            side = np.linspace(0.0, lam_max, 9)
+            grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+            poses = self.solve_batch(grid, wrench).pose
+            step = self.stepper(wrench, tolerance=1e-12, derivatives=True)
+            self._inverse = key, Inverse(step, grid, poses, self.mechanism.beam.length, lam_max)
+        return self._inverse[1](theta=theta, x=x, z=z, co_contraction=co_contraction)
+
+    def stepper(
+        self,
+        wrench: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        tolerance: float = 1e-9,
+        derivatives: bool = False,
+        lam_max: float = 0.0,
+    ) -> Step:
+        """Return ``step(lam_l, lam_r) -> x, z, theta, status`` for a control loop.
+
+        Each call starts from the equilibria of the calls before, takes a bounded number of Newton steps, allocates
+        nothing, releases the interpreter's lock and never raises for a number. ``status`` is a value of `Status`: 0 is
+        a stable equilibrium; where there is none, the pose is nan. Each thread needs a stepper of its own.
+
+        Parameters
+        ----------
+        wrench : (3,) dead wrench at Q that stays [N, N, N m]
+        tolerance : largest error that Newton's method may leave, in rad and shares of the length
+        derivatives : each call also overwrites ``step.jacobian``, (3, 2), pose by tendon force, and
+            ``step.compliance``, (3, 3), pose by wrench, exact to the square root of the tolerance
+        lam_max : above 0, a call depends on nothing but its arguments: within ``[0, lam_max]`` N it starts from a
+            polynomial fitted now, and takes one or two Newton steps whatever the call before was; beyond, and where
+            none can be fitted, from the straight neck
+        """
+        loads, last2 = one_load(np.zeros(2), wrench), last_step(tolerance)
+        if not 0.0 <= lam_max < np.inf:
+            raise InputError(f"lam_max = {shown(lam_max)}: allowed is a finite number, 0 or more")
+        stations, tip, q_rest, _, _ = self._system
+        if self._condensed is not None:
+            return self._condensed.stepper((stations, tip, q_rest), loads, last2, derivatives, lam_max)
+        return robust_stepper(self.discretization, (stations, tip, q_rest), loads, lam_max > 0.0)
+
+    def __repr__(self) -> str:
+        mesh = self.discretization
+        kind = "" if mesh.family == "lagrange" else f"{mesh.family} "
+        elements = f"{mesh.n_elements} {kind}element(s) of order {mesh.order}, {mesh.gauss} Gauss points each"
+        return f"FiniteElementModel({elements})"
+
+
+def _order(accuracy: float) -> int:
+    """Return the lowest order that keeps an accuracy."""
+    for order, error in ERRORS.items():
+        if error <= accuracy:
+            return order
+    least = min(ERRORS.values())
+    raise InputError(f"accuracy = {shown(accuracy)}: allowed is a number from {least:g} up; below, give more elements")

@@ -1,0 +1,194 @@
+"""The whole measuring chain with its derivatives: from a mechanism and the record of loads to what is read.
+
+In order: what a row changes on the test bed, what it inherits from the rows before, the equilibrium, the camera.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...data.measurements import Measurements
+from ...errors import InputError
+from ...kernels.camera import read, read_derivatives
+from ...kernels.prepare import prepare
+from ...mechanism.catalogue import CATALOGUE
+from ...mechanism.parameters import PARAMETERS, PLACES, find, index
+from ...mesh.discretization import Discretization
+from ..batch import fast_path, solve_cases, work_arrays
+from ..equilibrium import BatchResult
+from ..sensitivity import Sensitivities, sensitivities
+from .history import TARGETS, History, Record, is_on_path, on_path
+
+__all__ = ["CHANGES", "MeasuringChain", "row_parameters"]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+CHANGES = {"tilt": "gravity_tilt", "extra_mass": "effects.head_mass"}
+"""What a row may change on the test bed, and the parameter to which it is added."""
+
+_CAMERA = [index(entry.key) for effect in CATALOGUE.values() if effect.enters == "camera" for entry in effect]
+_INHERITED = {PARAMETERS[place].key for place in (*TARGETS, PLACES.beam_length, PLACES.effects_beam_length)}
+_STEP = 1e-100  # of the complex step
+_WITHOUT_MEMORY = 1e-13  # squared last Newton step of the solution that the history follows
+
+
+def row_parameters(par: Array, data: Measurements) -> Array | None:
+    """Return a parameter vector for every row, (n, n_parameters), or None where no row changes the test bed.
+
+    Parameters
+    ----------
+    par : (n_parameters,) the mechanism's own vector
+
+    Raises
+    ------
+    InputError : a row's change leaves the bounds of the parameter it adds to; names the row.
+    """
+    changes = {name: getattr(data, name) for name in CHANGES}
+    if not any(change.any() for change in changes.values()):
+        return None
+    par = np.tile(par, (data.n, 1))
+    for name, change in changes.items():
+        place = index(CHANGES[name])
+        par[:, place] += change
+        entry, values = PARAMETERS[place], par[:, place]
+        outside = (values < entry.lower) | (values > entry.upper)
+        if outside.any():
+            i = int(np.argmax(outside))
+            raise InputError(f"{data.where(i)}: {name} = {change[i]:g} makes {entry.key} = {values[i]:g}: allowed is "
+                             f"{entry.allowed}")  # fmt: skip
+    return par
+
+
+class MeasuringChain:
+    """What the instruments would read in every row of measurements, as a function of the parameter vector.
+
+    Parameters
+    ----------
+    mesh : the discretization
+    data : loads, and what was changed on the test bed; their poses are not looked at
+    only : (k,) places of the rows that are read, which rise; what they inherit comes from all rows all the same
+    """
+
+    def __init__(self, mesh: Discretization, data: Measurements, only: NDArray[np.int64] | None = None) -> None:
+        self.mesh, self.data = mesh, data
+        self.record = Record.of(data)
+        self._only = slice(None) if only is None else only
+        self._all_loads = data.lam, data.wrench
+        self._loads = data.lam[self._only], data.wrench[self._only]
+        self._followed: tuple[Array, History] | None = None
+
+    @property
+    def n(self) -> int:
+        """How many rows are read."""
+        return len(self._loads[0])
+
+    def rows(self, par: Array) -> Array:
+        """Return the parameter vectors of the rows, (1 or n, n_parameters), from the mechanism's (n_parameters,)."""
+        own = row_parameters(par, self.data)
+        if is_on_path(par):
+            rows = self._each(par, own)
+            self._history(par, own).apply(rows, self._only)
+            return rows
+        return par[None].copy() if own is None else own[self._only]
+
+    def solve(self, par: Array, last2: float, threads: int = 1) -> tuple[Array, NDArray[np.int64], Array]:
+        """Return readings (n, 3) [m, m, rad], nan where there is no equilibrium, status and load factor, (n,) each."""
+        rows = self.rows(par)
+        result = self._solve(rows, self._loads, last2, threads)
+        pose = result.pose
+        if rows[:, _CAMERA].any():
+            read(rows, pose)
+        return pose, result.status, result.load_factor
+
+    def solve_many(self, par: Array, last2: float) -> tuple[Array, NDArray[np.int64]]:
+        """Return readings (m, n, 3) and status (m, n) for many mechanisms (m, n_parameters), in one batch.
+
+        Raises
+        ------
+        InputError : as `row_parameters` does.
+        """
+        m, n = len(par), self.n
+        rows = np.concatenate([np.broadcast_to(self.rows(own), (n, par.shape[1])) for own in par])
+        lam, wrench = (np.tile(loads, (m, 1)) for loads in self._loads)
+        result = solve_cases(self.mesh, None, rows, lam, wrench, last2, 1)
+        pose = result.pose
+        if rows[:, _CAMERA].any():
+            read(rows, pose)
+        return pose.reshape(m, n, 3), result.status.reshape(m, n)
+
+    def sensitivities(self, names: Sequence[str], par: Array, last2: float) -> Sensitivities:
+        """Return readings and their derivatives by loads and by any parameters, see `sensitivity.sensitivities`.
+
+        `jacobian` is by the readings of the force cells.
+        """
+        keys = [find(name).key for name in names]
+        own_path = on_path()
+        touched = _INHERITED | own_path.keys() if is_on_path(par) else own_path.keys()
+        inherited = [key for key in keys if key in touched]
+        rows, changes = self.rows(par), {}
+        if inherited:
+            changes = self._changes(par, inherited)
+        targets = [PARAMETERS[place].key for place in sorted({place for own in changes.values() for place in own})]
+        asked = [*dict.fromkeys([*(key for key in keys if key not in own_path), *targets])]
+        found = sensitivities(self.mesh, asked, rows, *self._loads, last2)
+        self._see(rows, asked, found, always=bool(rows[:, _CAMERA].any()))
+        if inherited:
+            own = {key: found.by_parameter[:, :, i] for i, key in enumerate(asked)}
+            columns = [self._inherited(own, changes[key]) if key in changes else own[key] for key in keys]
+            found = replace(found, by_parameter=np.stack(columns, axis=-1))
+        return replace(found, names=tuple(names))
+
+    def _each(self, par: Array, own: Array | None) -> Array:
+        """Return a vector for each row that is read, (n, n_parameters); `own`, where there are any, are of all rows."""
+        return np.tile(par, (self.n, 1)) if own is None else own[self._only].copy()
+
+    def _history(self, par: Array, own: Array | None) -> History:
+        """Follow the same mechanism without effects of the path along the record; the last one is remembered."""
+        if self._followed is None or not np.array_equal(self._followed[0], par):
+            rows = par[None] if own is None else own
+            pose = self._solve(rows, self._all_loads, _WITHOUT_MEMORY).pose
+            self._followed = par.copy(), History.of(self.record, rows, pose)
+        return self._followed[1]
+
+    def _solve(self, rows: Array, loads: tuple[Array, Array], last2: float, threads: int = 1) -> BatchResult:
+        """Solve the equilibria of rows under loads."""
+        fast = None
+        if len(rows) == 1:
+            stations, tip, q_rest, _, _ = work_arrays(self.mesh)
+            prepare(rows[0], self.mesh.mesh, self.mesh.nodes, stations, tip, q_rest)
+            fast = fast_path(self.mesh, stations, tip, q_rest)
+        return solve_cases(self.mesh, fast, rows, *loads, last2, threads)
+
+    def _changes(self, par: Array, keys: Sequence[str]) -> dict[str, dict[int, Array]]:
+        """Return how the rows' entries depend on the mechanism's: for each key the places and their slopes, (n,)."""
+        own = row_parameters(par, self.data)
+        history, base = self._history(par, own), self._each(par, own)
+        changes = {}
+        for key in keys:
+            rows: Complex = base.astype(complex)
+            rows[:, index(key)] += 1j * _STEP
+            history.apply(rows, self._only)
+            if key in on_path():  # it acts through other entries alone
+                rows[:, index(key)] = base[:, index(key)]
+            changes[key] = {int(i): rows[:, i].imag / _STEP for i in np.flatnonzero(rows.imag.any(axis=0))}
+        return changes
+
+    def _inherited(self, own: dict[str, Array], change: dict[int, Array]) -> Array:
+        """Return the readings' derivative by a parameter that acts through other entries, (n, 3)."""
+        total = np.zeros((self.n, 3))
+        for place, slope in change.items():
+            total += own[PARAMETERS[place].key] * slope[:, None]
+        return total
+
+    def _see(self, rows: Array, keys: Sequence[str], found: Sensitivities, *, always: bool) -> None:
+        """Turn poses into readings, and their derivatives with them."""
+        at = {place: keys.index(PARAMETERS[place].key) for place in _CAMERA if PARAMETERS[place].key in keys}
+        if not at and not always:
+            return
+        which, columns = np.array([*at], dtype=np.int64), np.array([*at.values()], dtype=np.int64)
+        c_par, J = np.zeros(rows.shape[1], dtype=complex), np.empty((3, 3))
+        pose, by = found.pose, found.by_parameter
+        read_derivatives(rows, which, columns, c_par, J, pose, found.jacobian, found.compliance, by)

@@ -1,0 +1,132 @@
+"""The whole measuring chain: what the instruments would read for every row of a measurement file."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...data.columns import COLUMNS
+from ...data.measurements import Measurements
+from ...files import csv_text, write_whole
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.parameters import pack
+from ...mesh.discretization import Discretization
+from ..equilibrium import Status
+from ..loads import last_step
+from .measuring_chain import MeasuringChain
+
+__all__ = ["Prediction", "predict"]
+
+Array = NDArray[np.float64]
+
+_CHANNELS = ("x", "z", "theta")
+_LOADS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Prediction:
+    """Predicted readings, one entry a row of the measurements.
+
+    Attributes
+    ----------
+    pose : (n, 3) x, z, theta of Q [m, m, rad]; nan where no equilibrium was found
+    status : (n,) values of `Status`
+    load_factor : (n,) how much of the load the stable branch carries, see `Equilibrium`
+    data : the measurements
+    """
+
+    pose: Array
+    status: NDArray[np.int64]
+    load_factor: Array
+    data: Measurements
+
+    @property
+    def residual(self) -> Array:
+        """Measured less predicted, (n, 3) [m, m, rad]; nan where not measured or not converged."""
+        return self.data.pose - self.pose
+
+    @property
+    def rms(self) -> dict[str, float | None]:
+        """Root mean square of `residual` by channel, ``x_m``, ``z_m``, ``theta_rad``; None where it has no entry."""
+        return dict(zip((COLUMNS[name].names[0] for name in _CHANNELS), _rms(self.residual), strict=True))
+
+    @property
+    def sigmas(self) -> Array:
+        """`residual` over the noise that the measurements declare of the camera, (n, 3); nan where none is."""
+        declared = np.column_stack([getattr(self.data, f"sigma_{name}") for name in _CHANNELS])
+        return np.asarray(np.where(declared > 0.0, self.residual / np.where(declared > 0.0, declared, 1.0), np.nan))
+
+    @property
+    def rms_sigma(self) -> dict[str, float | None]:
+        """Root mean square of `sigmas` by channel, ``x``, ``z``, ``theta``; None where it has no entry."""
+        return dict(zip(_CHANNELS, _rms(self.sigmas), strict=True))
+
+    @property
+    def rows(self) -> int:
+        """How many rows have a converged prediction and at least one measured channel."""
+        return int(np.isfinite(self.residual).any(axis=1).sum())
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many rows ended with each status."""
+        return {status.name.lower(): int(np.sum(self.status == status)) for status in Status}
+
+    def columns(self) -> dict[str, Sequence[Any]]:
+        """Return the table that `to_csv` writes: loads, predicted pose, measured pose, status name of every row."""
+        columns: dict[str, Sequence[Any]] = {COLUMNS[name].names[0]: getattr(self.data, name) for name in _LOADS}
+        for name, predicted in zip(_CHANNELS, self.pose.T, strict=True):
+            columns[COLUMNS[name].names[0]] = predicted
+        for name in _CHANNELS:
+            columns[COLUMNS[name].names[0].replace("_", "_measured_")] = getattr(self.data, name)
+        columns["status"] = [Status(value).name.lower() for value in self.status]
+        return columns
+
+    def to_csv(self, path: str | os.PathLike[str]) -> Path:
+        """Write `columns` in the order of the rows, to the last digit; what is unknown is blank.
+
+        Raises
+        ------
+        InputError : the file cannot be written.
+        """
+        return write_whole(path, csv_text(self.columns()))
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(f"{count} {name}" for name, count in self.counts.items() if count)
+        rms = ", ".join(f"{name} {value:.3g}" for name, value in self.rms.items() if value is not None)
+        return f"<Prediction of {len(self.status)} rows: {kinds}; rms {rms or 'unknown, no pose is measured'}>"
+
+
+def _rms(columns: Array) -> list[float | None]:
+    """Return the root mean square of what is known of every column, None where nothing is."""
+    known = [column[np.isfinite(column)] for column in columns.T]
+    return [float(np.sqrt(np.mean(entries**2))) if entries.size else None for entries in known]
+
+
+def predict(
+    mechanism: Mechanism,
+    data: Measurements,
+    *,
+    elements: int | ArrayLike = 1,
+    order: int = 5,
+    threads: int = 1,
+) -> Prediction:
+    """Predict what the instruments would read in every row.
+
+    Parameters
+    ----------
+    mechanism : what is built
+    data : the loads of every row, and what was changed on the test bed; its poses are only compared
+    elements, order : the discretization, see `FiniteElementModel`
+    threads : how many threads share the rows
+
+    Raises
+    ------
+    InputError : a row's tilt or extra mass leaves the bounds of the parameter it adds to; names the row.
+    """
+    chain = MeasuringChain(Discretization.of(elements, order, None), data)
+    pose, status, load_factor = chain.solve(pack(mechanism), last_step(1e-9), threads)
+    return Prediction(pose, status, load_factor, data)

@@ -1,0 +1,65 @@
+"""What a model is asked, checked once: loads, parameter vectors, tolerances."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError, shown
+from ..mechanism.parameters import PARAMETERS, size
+
+__all__ = ["last_step", "many_loads", "numbers", "one_load", "parameter_rows"]
+
+Array = NDArray[np.float64]
+# Newton's method leaves at most this times the square of its last step (measured: 0.4 under tendons, 1.2 with wrenches)
+QUADRATIC, MIN_TOLERANCE = 10.0, 1e-13
+
+
+def last_step(tolerance: float) -> float:
+    """Return the largest squared last step that leaves an error of at most `tolerance`."""
+    if not MIN_TOLERANCE <= tolerance <= 1e-3:
+        raise InputError(f"tolerance = {shown(tolerance)}: allowed is a number from {MIN_TOLERANCE:g} to 1e-3")
+    return tolerance / QUADRATIC
+
+
+def numbers(name: str, values: ArrayLike) -> Array:
+    """Return values as a contiguous array of at least one axis."""
+    try:
+        return np.atleast_1d(np.ascontiguousarray(values, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise InputError(f"{name} = {shown(values)}: allowed is an array of numbers") from None
+
+
+def many_loads(lam: ArrayLike, wrench: ArrayLike | None) -> tuple[Array, Array]:
+    """Return tendon forces (n, 2) and dead wrenches (n, 3) or, where all are the same, (1, 3); or raise."""
+    tensions = numbers("tendon forces", lam)
+    dead = np.zeros(3) if wrench is None else numbers("wrenches", wrench)
+    if tensions.ndim != 2 or tensions.shape[1] != 2:
+        raise InputError(f"tendon forces have shape {tensions.shape}: allowed is two, left and right, a case")
+    if dead.shape not in {(3,), (len(tensions), 3)}:
+        raise InputError(f"wrenches have shape {dead.shape}: allowed is ({len(tensions)}, 3): fx, fz, tau a case")
+    if (tensions < 0.0).any():
+        row, side = np.argwhere(tensions < 0.0)[0]
+        raise InputError(
+            f"lam_{'lr'[side]} = {tensions[row, side]} N in row {row}: allowed is >= 0, a tendon only pulls"
+        )
+    return tensions, np.atleast_2d(dead)
+
+
+def one_load(lam: ArrayLike, wrench: ArrayLike) -> Array:
+    """Return the kernels' loads of one case, (N_LOADS,), or raise where they cannot be meant."""
+    tensions, dead = many_loads(numbers("tendon forces", lam)[None], numbers("wrench", wrench)[None])
+    return np.concatenate([tensions[0], dead[0], [1.0]])
+
+
+def parameter_rows(values: ArrayLike, n: int) -> Array:
+    """Return parameter vectors (n, n_parameters), or raise where they cannot be meant; names row and parameter."""
+    par = numbers("parameters", values)
+    if par.shape != (n, size()):
+        raise InputError(f"parameters has shape {par.shape}: allowed is ({n}, {size()})")
+    lower, upper = (np.array([getattr(entry, bound) for entry in PARAMETERS]) for bound in ("lower", "upper"))
+    known = par[:, : len(PARAMETERS)]
+    outside = ~((known >= lower) & (known <= upper))
+    if outside.any():
+        row, place = np.argwhere(outside)[0]
+        entry = PARAMETERS[place]
+        raise InputError(f"row {row} of parameters: {entry.key} = {par[row, place]}: allowed is {entry.allowed}")
+    return par

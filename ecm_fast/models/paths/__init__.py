@@ -1,0 +1,1 @@
+"""The ways of solving, each a thin layer over its kernels."""

@@ -1,0 +1,65 @@
+"""The fast path of a model with many elements, or with one that `condensation` does not take."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...kernels.chain import solve as chain
+from ...kernels.chain.constants import condense_chain, constants_size
+from ...kernels.layout import CONVERGED, H_SIZE, INVALID_INPUT, N_LOADS
+from ...mesh.discretization import Discretization
+from .condensed import STRETCH, Columns, Guess
+from .general import Step, System, robust_stepper
+
+__all__ = ["Chain"]
+
+Array = NDArray[np.float64]
+
+
+class Chain:
+    """The chain of condensed elements of one mechanism, see `kernels.chain`; stands in for `Condensation`.
+
+    Its constants are read only; every thread brings its own state.
+    """
+
+    def __init__(self, mesh: Discretization, con: Array) -> None:
+        self.con = con
+        self.mesh = mesh
+
+    @classmethod
+    def of(cls, mesh: Discretization, stations: Array, tip: Array, q_rest: Array) -> "Chain | None":
+        """Return the chain, or None where the mechanism or the discretization does not permit it."""
+        if mesh.gauss != mesh.order or mesh.family != "lagrange":
+            return None
+        con = np.empty(constants_size(mesh.n_elements, mesh.order))
+        applies = condense_chain(stations, tip, q_rest, mesh.basis, mesh.turn, STRETCH, con)
+        return cls(mesh, con) if applies and np.isfinite(con).all() else None
+
+    def new_state(self) -> Array:
+        """Return work space for one thread, nothing solved yet."""
+        state = np.zeros(chain.state_size(self.mesh.n_elements, self.mesh.order))
+        state[H_SIZE] = np.inf
+        return state
+
+    def solve(self, lam: Array, wrench: Array, last2: float, out: Columns, guess: Guess | None = None) -> None:
+        """Solve tendon forces (n, 2) under dead wrenches (n, 3) or (1, 3), as `Condensation.solve` does."""
+        chain.solve_chain(self.con, lam, wrench, last2, self.new_state(), *out)
+
+    def fit_guess(self, lam_max: float, wrench: Array) -> Guess | None:
+        """Return None: a chain always starts straight."""
+        return None
+
+    def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> Step:
+        """Return the control step; with derivatives it is the robust solver's, which has them."""
+        robust = robust_stepper(self.mesh, system, loads, lam_max > 0.0)
+        if derivatives:
+            return robust
+        con, state = self.con, self.new_state()
+        state[:N_LOADS] = loads
+
+        def step(lam_l: float, lam_r: float) -> tuple[float, float, float, int]:
+            if lam_max > 0.0:
+                state[H_SIZE] = np.inf  # nothing to follow
+            result: tuple[float, float, float, int] = chain.follow_chain(con, state, last2, float(lam_l), float(lam_r))
+            return result if result[3] in (CONVERGED, INVALID_INPUT) else robust(lam_l, lam_r)
+
+        return step

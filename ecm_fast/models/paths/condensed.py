@@ -1,0 +1,175 @@
+"""The fast path of a model: which mechanisms it takes, and the kernels of its order."""
+
+import functools
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...kernels.condensed import control_step as stepper
+from ...kernels.condensed import formulation as condensed
+from ...kernels.condensed import initial_guess as start
+from ...kernels.condensed.axial_law import stretch_polynomials
+from ...kernels.layout import CONVERGED, L_FX, L_GRAVITY, LANES, N_STATION, N_TIP, NOT_CONVERGED, R_FX, R_FZ, R_TAU
+from ...mesh.discretization import Discretization
+from .general import Step, System
+
+__all__ = ["Columns", "Condensation", "Guess", "columns", "solve_mechanisms", "solve_nodes"]
+
+Array = NDArray[np.float64]
+ORDERS = (3, 4, 5, 6)
+Columns = tuple[Array, Array, Array, NDArray[np.int64]]
+"""x, z, theta, status of many cases."""
+Guess = tuple[Array, float]
+"""Coefficients of `kernels.start.guess`, and up to which tendon force they hold."""
+# a fit that is farther off than this, in rad and lengths, is a poor place to start from
+POOR = 0.02
+STRETCH = stretch_polynomials()
+
+
+class Condensation:
+    """The condensed formulation of one mechanism on one mesh, see `kernels.condensed`.
+
+    Its constants are read only; every thread brings its own state.
+    """
+
+    def __init__(self, mesh: Discretization, con: Array) -> None:
+        self.con = con
+        self.mesh = mesh
+        self._kernels = kernels_of(mesh)
+        self._straight = np.empty((5 + mesh.order, start.N_GUESS)), 0.0
+
+    @classmethod
+    def of(cls, mesh: Discretization, stations: Array, tip: Array, q_rest: Array) -> "Condensation | None":
+        """Return the condensed formulation, or None where the mechanism or the discretization does not permit it."""
+        if not permits(mesh):
+            return None
+        con = np.empty(condensed.constants_size(mesh.order))
+        applies = condensed.condense(stations, tip, q_rest, mesh.turn, mesh.slopes, STRETCH, con)
+        return cls(mesh, con) if applies and np.isfinite(con).all() else None
+
+    def solve(self, lam: Array, wrench: Array, last2: float, out: Columns, guess: Guess | None = None) -> Array:
+        """Solve tendon forces (n, 2) under dead wrenches (n, 3) or (1, 3), see `kernels.condensed4.solve_loads`.
+
+        last2 : largest squared last step of Newton's method
+        out : x, z, theta, status, each (n,), overwritten
+        guess : what `fit_guess` returned for loads with this wrench; none: the beam starts straight
+
+        Returns the state of the last lanes.
+        """
+        coefficients, lam_max = self._straight if guess is None else guess
+        state = np.zeros(LANES * condensed.state_size(self.mesh.order))
+        self._kernels.solve_loads(self.con, coefficients, lam_max, lam, wrench, last2, state, *out)
+        return state
+
+    def fit_guess(self, lam_max: float, wrench: Array) -> Guess | None:
+        """Return polynomials for where a solve with tendon forces up to `lam_max` under `wrench` should start.
+
+        None where the fast path does not vouch for the 64 solutions they are fitted to.
+        """
+        at, basis, to_coefficients = _guess_fit()
+        lam = 0.5 * lam_max * (1.0 + at)
+        out = columns(LANES)
+        state = self.solve(lam, wrench[None], 1e-13, out).reshape(-1, LANES)
+        if (out[3] != CONVERGED).any():
+            return None
+        rows = state[start.unknowns(self.mesh.order)].T
+        coefficients = to_coefficients @ rows
+        scale = np.abs(rows).max(axis=0)
+        scale[start.ANGLES :] = 1.0
+        if np.any(np.abs(basis @ coefficients - rows) > POOR * scale):
+            return None
+        return np.ascontiguousarray(coefficients.T), lam_max
+
+    def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> Step:
+        """Return the compiled control step, see `kernels.stepper`; its arrays are attributes of the function.
+
+        system : stations, tip, q_rest of the finite element model, for the robust solver
+        """
+        order = self.mesh.order
+        memory = np.zeros(stepper.memory_size(order))
+        parts = {
+            name: memory[first : first + int(np.prod(shape))].reshape(shape)
+            for name, (first, shape) in stepper.pieces(order).items()
+        }
+        parts["con"][:], parts["loads"][:], parts["tables"][:] = self.con, loads, self.mesh.tables
+        parts["stations"][:], parts["tip"][:], parts["q_rest"][:] = system
+        parts["q"][:] = system[2]
+        parts["state"][[R_FX, R_FZ, R_TAU]] = loads[L_FX:L_GRAVITY]
+        guess = self.fit_guess(lam_max, loads[L_FX:L_GRAVITY]) if lam_max > 0.0 else None
+        if guess is not None:
+            parts["coefficients"][:] = guess[0]
+        # without a fit each step starts straight: it must still depend on nothing but its arguments
+        parts["settings"][:] = last2, derivatives, -1.0 if guess is None and lam_max > 0.0 else lam_max
+        step: Any = functools.partial(compiled_step(order), memory.ctypes.data)
+        # the address is all that the compiled step knows of: the function must keep the memory alive
+        step.memory = memory
+        step.jacobian, step.compliance = parts["jacobian"], parts["compliance"]
+        result: Step = step
+        return result
+
+
+@functools.cache
+def _guess_fit() -> tuple[Array, Array, Array]:
+    """Return scaled tendon forces to fit at, (LANES, 2), the monomials there, and the least squares fit to them."""
+    u = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
+    at = np.stack(np.meshgrid(u, u), axis=-1).reshape(LANES, 2)
+    basis = start.monomials(at[:, 0], at[:, 1])
+    return at, basis, np.linalg.pinv(basis)
+
+
+def permits(mesh: Discretization) -> bool:
+    """Whether a mesh has kernels of its own."""
+    lagrange = mesh.family == "lagrange" and mesh.gauss == mesh.order
+    return lagrange and mesh.n_elements == 1 and mesh.order in ORDERS
+
+
+def kernels_of(mesh: Discretization) -> Any:
+    """Return the module of kernels for a mesh."""
+    return import_module(f"ecm_fast.kernels.condensed.order{mesh.order}")
+
+
+@functools.cache
+def compiled_step(order: int) -> Any:
+    """Return the control step of an order, compiled for numbers of any kind: it never compiles again in a loop."""
+    advance = import_module(f"ecm_fast.kernels.condensed.order{order}").advance
+    advance.compile("(int64, float64, float64)")
+    advance.disable_compile()
+    return advance
+
+
+def columns(n: int) -> Columns:
+    """Return room for x, z, theta and status of n cases, none of them solved."""
+    return np.empty(n), np.empty(n), np.empty(n), np.full(n, NOT_CONVERGED, dtype=np.int64)
+
+
+def solve_mechanisms(mesh: Discretization, par: Array, lam: Array, wrench: Array, last2: float, out: Columns) -> None:
+    """Solve cases that each have a parameter vector, (n, n_parameters), where the mesh permits it.
+
+    See `Condensation.solve` and `kernels.condensed4.solve_mechanisms`.
+    """
+    if not permits(mesh):
+        return
+    order = mesh.order
+    con, state = np.empty(condensed.constants_size(order)), np.zeros(LANES * condensed.state_size(order))
+    system = np.empty((order, N_STATION)), np.empty(N_TIP), np.empty(3 * (order + 1))
+    constants = mesh.mesh, mesh.nodes, mesh.turn, mesh.slopes, STRETCH
+    lanes = np.empty(LANES * con.size)
+    kernels_of(mesh).solve_mechanisms(par, *constants, lam, wrench, last2, system, con, lanes, state, *out)
+
+
+def solve_nodes(
+    mesh: Discretization, par: Array, lam: Array, wrench: Array, last2: float, q: Array, status: NDArray[np.int64]
+) -> None:
+    """Solve cases into all their nodes, where the mesh permits it; see `kernels.condensed4.solve_nodes`.
+
+    par : (1 or n, n_parameters), lam : (n, 2), wrench : (1 or n, 3), q : (n, 3 n_nodes), status : (n,)
+    """
+    if not permits(mesh):
+        return
+    order = mesh.order
+    con, state = np.empty(condensed.constants_size(order)), np.zeros(condensed.state_size(order))
+    system = np.empty((order, N_STATION)), np.empty(N_TIP), np.empty(3 * (order + 1))
+    constants = mesh.mesh, mesh.nodes, mesh.turn, mesh.slopes, STRETCH, mesh.tables
+    kernels_of(mesh).solve_nodes(par, *constants, lam, wrench, last2, system, con, state, q, status)

@@ -1,0 +1,1 @@
+"""The polynomial model of the paper and its training."""

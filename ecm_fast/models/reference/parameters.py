@@ -1,0 +1,38 @@
+"""The parameter vector by name."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...mechanism.parameters import PARAMETERS
+
+__all__ = ["Parameters", "beam_weight", "gravity", "length", "named"]
+
+Parameters = Mapping[str, Any]
+
+
+def named(par: Any) -> Parameters:
+    """Return a parameter vector as a mapping from key to value."""
+    return {entry.key: par[place] for place, entry in enumerate(PARAMETERS)}
+
+
+def gravity(p: Parameters) -> Any:
+    """[G1] Acceleration of gravity, (2,) [m/s^2]: along -e_x, turned by the test bed's tilt.
+
+        g = -g (cos a, sin a)    in (x, z)
+
+    Source: the paper, (21), where a = 0.
+    """
+    tilt = p["effects.gravity_tilt"]
+    return -p["gravity.g"] * np.array([np.cos(tilt), np.sin(tilt)])
+
+
+def length(p: Parameters) -> Any:
+    """Length of the beam [m]."""
+    return p["beam.length"] + p["effects.beam_length"]
+
+
+def beam_weight(p: Parameters) -> Any:
+    """Weight of the beam per length, (2,) [N/m]."""
+    return (p["beam.mass_per_length"] + p["effects.beam_mass"]) * gravity(p)

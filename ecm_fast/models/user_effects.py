@@ -1,0 +1,191 @@
+"""Effects of the user's own: a law in ten lines, added while the program runs, beside those of the catalogue.
+
+>>> import numpy as np
+>>> import ecm_fast as ecm
+>>> @ecm.effect("cable_drag", unit="N m", typical=0.5, enters="head", law="tau - a sin(theta)", mirror="even")
+... def cable_drag(a, x, z, theta):
+...     return 0.0, 0.0, -a * np.sin(theta)
+>>> neck = ecm.Mechanism.preset("slender").replace(cable_drag=0.4)
+>>> ecm.FiniteElementModel(neck).solve((40.0, 10.0)).stable
+True
+>>> ecm.remove_effect("cable_drag")
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from ..errors import InputError, did_you_mean
+from ..kernels.layout import N_USER
+from ..mechanism.catalogue import CATALOGUE, Effect, Mirror, declare
+from ..mechanism.parameters import PARAMETERS, PLACES, USER_LAWS, append, find, index, remove
+from ..mechanism.quantity import Quantity
+from .instruments.history import USER_ROWS
+
+__all__ = ["effect", "remove_effect"]
+
+Law = Callable[..., Any]
+_ENTERS: dict[str, Any] = {"section": "section", "head": "environment", "rows": "path"}
+_LAWS: dict[str, dict[str, Law]] = {"section": {}, "head": {}}
+_COORDINATES = {"section": 4, "head": 3}
+_ALIVE: list[Any] = []  # compiled laws, whose addresses parameter vectors may still hold
+_PROBES = np.array([[0.96, 0.01, 3.0, 0.3], [1.02, -0.02, -2.0, 0.8], [0.9, 0.03, 0.5, 0.6]])
+_SYMMETRY = 1e-9
+
+
+def effect(
+    name: str,
+    *more: Quantity,
+    unit: str,
+    typical: float,
+    enters: Literal["section", "head", "rows"],
+    bounds: tuple[float, float] | None = None,
+    law: str = "",
+    meaning: str = "an effect added by the user",
+    mirror: Mirror = "mixed",
+    family: str = "user",
+    size: str = "size",
+    needs: Sequence[str] = (),
+    tolerance: float = 0.0,
+) -> Callable[[Law], Law]:
+    """Add an effect: a decorator of its law, which then takes part in everything as those of the catalogue do.
+
+    Parameters
+    ----------
+    name : a word of small letters and underscores, in no use yet
+    more : further parameters, made by `ecm_fast.effects.also`; their values follow the size in the law's arguments
+    unit, typical, bounds, law, meaning, mirror, family, size, needs, tolerance : see `ecm_fast.effects.Effect` and
+        `ecm_fast.quantity.Quantity`; default bounds are a hundred times the typical size
+    enters : what the law is given behind the values, and returns
+
+        ``section``  gamma_x, gamma_z, kappa, place (share of the length); adds N, Q, M
+        ``head``     x, z, theta of the head; adds f_x, f_z, tau
+        ``rows``     a `Rows`; a mapping from parameters to what is added to them, row by row
+
+    Laws of section and head are compiled, for complex numbers: arithmetic and NumPy's functions of one number; a case
+    is decided by ``.real``, and ``kappa**3`` must be a product (a complex power is a logarithm, which rounds the
+    imaginary part of a negative number). They must derive from an energy: the tangent must be symmetric.
+
+    Raises
+    ------
+    InputError : the name is taken or no name, there are too many, the law does not vanish with its size, or its
+        tangent is not symmetric (with the two numbers that should be equal).
+    """
+
+    def register(function: Law) -> Law:
+        bound = bounds or (-100.0 * typical, 100.0 * typical)
+        own = declare(
+            name, law or f"see {name}", unit, meaning, *more, typical=typical, bounds=bound, enters=_ENTERS[enters],
+            family=family, mirror=mirror, size=size, needs=tuple(needs), tolerance=tolerance,
+        )  # fmt: skip
+        _check_name(own)
+        _check_scales(own)
+        append(own)
+        try:
+            if enters == "rows":
+                USER_ROWS[name] = function
+            else:
+                _LAWS[enters][name] = function
+                _compile(enters)
+                _check_law(own, enters)
+        except Exception:
+            remove_effect(name)
+            raise
+        return function
+
+    if enters not in _ENTERS:
+        raise InputError(f"enters = {enters!r}: allowed is {', '.join(_ENTERS)}{did_you_mean(enters, _ENTERS)}")
+    return register
+
+
+def remove_effect(name: str) -> None:
+    """Take an effect that was added by `effect` away again.
+
+    Raises
+    ------
+    InputError : no effect of that name was added.
+    """
+    if name not in {**USER_ROWS, **_LAWS["section"], **_LAWS["head"]}:
+        raise InputError(f"{name!r} is no effect that was added")
+    remove(CATALOGUE[name])
+    USER_ROWS.pop(name, None)
+    for enters, laws in _LAWS.items():
+        laws.pop(name, None)
+        _compile(enters)  # places have moved
+
+
+def _check_name(own: Effect) -> None:
+    words = own.name.split("_")
+    if not all(word.isascii() and word.isalnum() and word.islower() for word in words) or own.name[0].isdigit():
+        raise InputError(f"effect {own.name!r}: a name has small letters, digits and single underscores")
+    if own.name in CATALOGUE or any(entry.name == own.name for entry in PARAMETERS):
+        raise InputError(f"effect {own.name!r} exists already; take another name")
+    used = len(PARAMETERS) - len(PLACES)
+    if used + len(own.quantities) > N_USER:
+        raise InputError(f"effect {own.name!r}: {N_USER} parameters can be added, {used} are in use")
+
+
+def _check_scales(own: Effect) -> None:
+    typical, tolerance = own.size.typical, own.size.tolerance
+    if not 0.0 < typical < np.inf:
+        raise InputError(f"effect {own.name!r}: typical = {typical!r}: allowed is a finite number above 0")
+    if not 0.0 <= tolerance < np.inf:
+        raise InputError(f"effect {own.name!r}: tolerance = {tolerance!r}: allowed is a finite number from 0 on")
+
+
+def _compile(enters: str) -> None:
+    """Compile one C function that adds up all laws that enter at one place, and note its address."""
+    import numba
+
+    laws, first = _LAWS[enters], len(PLACES)
+    if not laws:
+        USER_LAWS[enters] = 0
+        return
+    coordinates = [f"given[{N_USER + i}]" for i in range(_COORDINATES[enters])]
+    lines = [
+        "def added(inputs, outputs):",
+        f"    given, found = carray(inputs, ({N_USER + 4},)), carray(outputs, (3,))",
+        "    found[0], found[1], found[2] = 0j, 0j, 0j",
+    ]
+    for i, name in enumerate(laws):
+        values = [f"given[{index(entry.key) - first}]" for entry in CATALOGUE[name]]
+        lines.append(f"    a, b, c = law{i}({', '.join([*values, *coordinates])})")
+        lines.append("    found[0], found[1], found[2] = found[0] + a, found[1] + b, found[2] + c")
+    options: Any = {"error_model": "numpy"}
+    names: dict[str, Any] = {f"law{i}": numba.njit(**options)(law) for i, law in enumerate(laws.values())}
+    names["carray"] = numba.carray  # type: ignore[attr-defined]
+    exec("\n".join(lines), names)
+    numbers: Any = numba.types.CPointer(numba.types.complex128)  # type: ignore[no-untyped-call]
+    function: Any = numba.cfunc(numba.types.void(numbers, numbers))(names["added"])
+    _ALIVE.append(function)
+    USER_LAWS[enters] = function.address
+
+
+def _check_law(own: Effect, enters: str) -> None:
+    """Refuse a law that does not vanish with its size or has no energy."""
+    law, rest = _ALIVE[-1], [entry.default for entry in own.quantities[1:]]
+    for probe in _PROBES:
+        forces = _evaluate(law, own, [0.0, *rest], probe)
+        if np.any(forces != 0.0):
+            raise InputError(f"effect {own.name!r}: its law gives {forces.real} where its size is 0; it must vanish")
+        columns = [_evaluate(law, own, [own.size.typical, *rest], probe + 1e-100j * unit) for unit in np.eye(4)[:3]]
+        tangent = np.array(columns).imag.T * 1e100
+        gap = np.abs(tangent - tangent.T)
+        i, k = np.unravel_index(np.argmax(gap), gap.shape)
+        if not gap[i, k] <= _SYMMETRY * np.abs(tangent).max():
+            raise InputError(f"effect {own.name!r}: derivatives {tangent[i, k]:g} and {tangent[k, i]:g} of forces "
+                             f"{i + 1} and {k + 1} must be equal: a law needs an energy, and powers above the second "
+                             "written as products")  # fmt: skip
+
+
+def _evaluate(law: Any, own: Effect, values: Sequence[float], coordinates: Any) -> Any:
+    """Return what the compiled law gives, (3,) complex, with the effects of the user but for one absent."""
+    given, found = np.zeros(N_USER + 4, dtype=complex), np.zeros(3, dtype=complex)
+    for entry in PARAMETERS[len(PLACES) :]:
+        given[index(entry.key) - len(PLACES)] = find(entry.key).default
+    for entry, value in zip(own, values, strict=True):
+        given[index(entry.key) - len(PLACES)] = value
+    given[N_USER:] = coordinates
+    law.ctypes(given.ctypes.data, found.ctypes.data)
+    return found

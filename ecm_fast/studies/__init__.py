@@ -1,0 +1,1 @@
+"""Studies with the models: the paper, element counts, sweeps, timings."""

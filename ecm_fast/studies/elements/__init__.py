@@ -1,0 +1,1 @@
+"""The element study: how few elements of which order keep an accuracy."""

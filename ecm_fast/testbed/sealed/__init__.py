@@ -1,0 +1,1 @@
+"""Sealed data sets: a hidden effect, its ground truth, the score of an answer."""
