@@ -1,4 +1,4 @@
-"""What several test files need: the reader of the tables in `tests/data`, and interrupts that arrive."""
+"""What several test files need: the reader of the tables in `tests/tables`, and interrupts that arrive."""
 
 import csv
 import signal
@@ -22,10 +22,10 @@ def _value(text: str) -> float | str:
 
 @pytest.fixture(scope="session")
 def table() -> Callable[[str], list[Row]]:
-    """Return a function that reads a table of `tests/data`; the comment at its head defines its columns."""
+    """Return a function that reads a table of `tests/tables`; the comment at its head defines its columns."""
 
     def _table(name: str) -> list[Row]:
-        with (Path(__file__).parent / "data" / f"{name}.csv").open(encoding="utf-8") as file:
+        with (Path(__file__).parent / "tables" / f"{name}.csv").open(encoding="utf-8") as file:
             rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
         return [{key: _value(text) for key, text in row.items()} for row in rows]
 

@@ -29,7 +29,7 @@ from ecm_fast.kernels.polynomial import DEGREES, exponents
 from ecm_fast.models.polynomial.multivariate import Polynomial
 from ecm_fast.models.polynomial.training import TrainingSet, measured_wrenches
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 LOW, HIGH = np.array([0.08, -0.06, -0.9]), np.array([0.11, 0.05, 0.8])
 
 

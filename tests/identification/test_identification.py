@@ -29,7 +29,7 @@ from ecm_fast.testbed import (
 STIFFNESSES = ["EA", "GA", "EI"]
 OFF = {"EA": 7000.0, "GA": 2800.0, "EI": 2.7}
 EXACT = Sensors.perfect()
-BESIDE = Path(__file__).resolve().parents[2] / "shared" / "data" / "measured"
+BESIDE = Path(__file__).resolve().parents[3] / "shared" / "data" / "measured"
 MEASURED = Path(os.environ.get("ECM_FAST_MEASURED", BESIDE))
 """Data of others that this project does not copy: a folder beside the checkout, or named in the environment."""
 

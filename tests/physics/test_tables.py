@@ -1,4 +1,4 @@
-"""The solver against the tables of `tests/data`: shooting, elliptic integrals and closed forms, no finite elements.
+"""The solver against the tables of `tests/tables`: shooting, elliptic integrals and closed forms, no finite elements.
 
 The tables carry 12 digits and were made with residuals below 1e-11, so 1e-11 (m, rad) is what they can vouch for.
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numba
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="looks at compiled kernels")
 
 SMALL = (

@@ -15,7 +15,7 @@ import numba
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 X86 = platform.machine().lower() in ("x86_64", "amd64")
 only_x86 = pytest.mark.skipif(not X86, reason="reads the instructions of x86-64; this is another processor")
 only_compiled = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="looks at compiled kernels")

@@ -1,7 +1,7 @@
 """The families of elements beside Lagrange's: their kernels, their accuracy against theory, and what any model can do.
 
 The kernels are checked by the complex step, which is exact to rounding: the residual against the energy of the
-reference, the tangent against the residual. Solutions are checked against the tables of `tests/data`, closed forms,
+reference, the tangent against the residual. Solutions are checked against the tables of `tests/tables`, closed forms,
 and each other where theory says that two families are the same.
 """
 

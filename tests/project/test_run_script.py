@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).resolve().parents[1] / "tools" / "run.py"
+SCRIPT = Path(__file__).resolve().parents[2] / "tools" / "run.py"
 PYPROJECT = """
 [project]
 name = "toy"

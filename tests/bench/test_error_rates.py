@@ -11,7 +11,7 @@ import pytest
 from ecm_fast.testbed.sealed.ground_truth import Truth
 from ecm_fast.testbed.sealed.hide import hide
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 WORDS = ("--count", "2", "--designs", "grid2", "--noises", "white", "force", "--materials", "unknown")
 
 

@@ -17,7 +17,7 @@ from ecm_fast.models.loads import QUADRATIC
 from ecm_fast.models.paths.condensed import columns
 from ecm_fast.testbed import equilibria
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 PULLEYS = {"pulley_z": 0.0645, "tendons.pulley_radius": 0.0055}
 SLENDER = Mechanism.preset("slender")
 NECKS = {

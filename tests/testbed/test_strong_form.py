@@ -40,7 +40,7 @@ from ecm_fast.testbed import (
     tilt_test,
 )
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 TABLE = 1e-11
 STIFF = 1e3
 LAW = {"nh": "neo-hookean", "hooke": "hooke"}

@@ -419,7 +419,7 @@ def test_every_command_has_help(run: Run, command: tuple[str, ...]) -> None:
 
 
 def test_the_version_is_that_of_the_project(run: Run) -> None:
-    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert run("--version") == (0, f"ecm-fast {project['version']}\n", "")
     assert project["scripts"] == {"ecm-fast": "ecm_fast.__main__:main"}
 
