@@ -13,7 +13,8 @@ import pytest
 
 import ecm_fast as ecm
 from ecm_fast.files import write_whole
-from ecm_fast.mechanism.parameters import index, pack
+from ecm_fast.mechanism.parameters import index
+from ecm_fast.mechanism.vector import pack
 from ecm_fast.studies.sweeps.chunk import solve
 from ecm_fast.studies.sweeps.rows_file import encode
 

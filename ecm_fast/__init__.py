@@ -20,9 +20,11 @@ if TYPE_CHECKING:
     from .identification.posterior import Posterior, posterior
     from .identification.result import Estimate, Identification, Profile
     from .mechanism.catalogue import CATALOGUE, Effect
-    from .mechanism.mechanism import Beam, Effects, Gravity, Head, Mechanism, Tendons
-    from .mechanism.parameters import PARAMETERS, pack, unpack
+    from .mechanism.mechanism import Effects, Mechanism
+    from .mechanism.parameters import PARAMETERS
     from .mechanism.quantity import Quantity
+    from .mechanism.sections import Beam, Gravity, Head, Tendons
+    from .mechanism.vector import pack, unpack
     from .mesh.discretization import Discretization
     from .models.equilibrium import BatchResult, Equilibrium, Status
     from .models.finite_element import FiniteElementModel
@@ -60,9 +62,11 @@ _HOME = {
     "identification.identify": ("identify",),
     "identification.result": ("Estimate", "Identification", "Profile"),
     "identification.material_tests": ("CompressionFit", "fit_compression", "fit_shear"),
-    "mechanism.mechanism": ("Beam", "Effects", "Gravity", "Head", "Mechanism", "Tendons"),
+    "mechanism.mechanism": ("Effects", "Mechanism"),
     "models.finite_element": ("FiniteElementModel",),
-    "mechanism.parameters": ("PARAMETERS", "pack", "unpack"),
+    "mechanism.parameters": ("PARAMETERS",),
+    "mechanism.sections": ("Beam", "Gravity", "Head", "Tendons"),
+    "mechanism.vector": ("pack", "unpack"),
     "models.polynomial.model": ("ForwardPolynomial", "PolynomialModel"),
     "identification.posterior": ("Posterior", "posterior"),
     "models.instruments.prediction": ("Prediction", "predict"),

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..data.measurements import Measurements
 from ..errors import InputError, shown
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.parameters import find, index, pack
+from ..mechanism.parameters import find, index
+from ..mechanism.vector import pack
 from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
 from .least_squares import NEAR, Loss, Minimum, minimize, visible

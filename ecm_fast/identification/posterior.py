@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ..data.measurements import Measurements
 from ..errors import InputError, did_you_mean, shown
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.parameters import find, index, pack
+from ..mechanism.parameters import find, index
+from ..mechanism.vector import pack
 from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
 from ..models.instruments.measuring_chain import MeasuringChain

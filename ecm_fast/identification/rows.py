@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from ..data.measurements import Measurements
 from ..errors import InputError
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.parameters import find, index, pack
+from ..mechanism.parameters import find, index
+from ..mechanism.vector import pack
 from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
 from ..models.instruments.measuring_chain import CHANGES, MeasuringChain, row_parameters

@@ -1,7 +1,7 @@
 """The flat parameter vector: every number of a mechanism, effects included, at a fixed place.
 
-Kernels take the vector; files, fits and reports use the names. To add a parameter, declare it in `mechanism`
-(or an effect in `effects`) and write its law in a kernel: the place in the vector follows from the declaration.
+Kernels take the vector; files, fits and reports use the names. To add a parameter, declare it in `sections`
+(or an effect in `catalogue`) and write its law in a kernel: the place in the vector follows from the declaration.
 
 Effects that a user adds at run time, see `user_effects`, come last. Behind them the vector then holds what the kernels
 need to call their laws: the addresses of those of the section and of the head, and which of the values are sizes.
@@ -11,15 +11,12 @@ from collections import namedtuple
 from dataclasses import fields
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ..errors import InputError, did_you_mean
 from .catalogue import CATALOGUE, Effect
-from .mechanism import AXIAL_LAWS, EFFECT_QUANTITIES, SECTIONS, Effects, Mechanism
 from .quantity import Quantity
+from .sections import EFFECT_QUANTITIES, SECTIONS
 
-__all__ = ["PARAMETERS", "PLACES", "USER_LAWS", "append", "find", "index", "pack", "remove", "size", "unpack"]
+__all__ = ["N_BUILT_IN", "PARAMETERS", "PLACES", "USER_LAWS", "append", "find", "index", "remove", "size"]
 
 PARAMETERS: list[Quantity] = [
     *(item.metadata["quantity"] for section in SECTIONS.values() for item in fields(section)),
@@ -31,6 +28,9 @@ _PLACE = {entry.key: place for place, entry in enumerate(PARAMETERS)}
 _NAMES = [key.replace(".", "_") for key in _PLACE]
 PLACES: Any = namedtuple("PLACES", _NAMES)(*range(len(_NAMES)))
 """The place of every built-in entry, a constant for kernels: ``PLACES.beam_EA``, ``PLACES.effects_soft_spot_size``."""
+
+N_BUILT_IN = len(_NAMES)
+"""How many entries there are without effects that a user adds."""
 
 _SHORT: dict[str, list[str]] = {}
 for _entry in PARAMETERS:
@@ -63,14 +63,7 @@ def remove(effect: Effect) -> None:
 
 def size() -> int:
     """Return how many numbers a parameter vector has."""
-    return len(PARAMETERS) + (3 if len(PARAMETERS) > len(_NAMES) else 0)
-
-
-def _sizes() -> float:
-    """Return which of the user's values are sizes of effects: bit i for value i."""
-    own = PARAMETERS[len(_NAMES) :]
-    sizes = {effect.size.key for effect in CATALOGUE.values()}
-    return float(sum(1 << i for i, entry in enumerate(own) if entry.key in sizes))
+    return len(PARAMETERS) + (3 if len(PARAMETERS) > N_BUILT_IN else 0)
 
 
 def find(name: str) -> Quantity:
@@ -97,40 +90,3 @@ def find(name: str) -> Quantity:
 def index(name: str) -> int:
     """Return the place of a parameter in the vector."""
     return _PLACE[find(name).key]
-
-
-def pack(mechanism: Mechanism) -> NDArray[np.float64]:
-    """Return the parameter vector of a mechanism, shape (n_parameters,), see `size`."""
-    par = np.array([entry.default for entry in PARAMETERS])
-    if size() > len(PARAMETERS):
-        par = np.concatenate([par, [float(USER_LAWS["section"]), float(USER_LAWS["head"]), _sizes()]])
-    for section in SECTIONS:
-        part = getattr(mechanism, section)
-        for item in fields(part):
-            value: Any = getattr(part, item.name)
-            par[_PLACE[f"{section}.{item.name}"]] = AXIAL_LAWS.index(value) if isinstance(value, str) else value
-    for name, value in mechanism.effects.items():
-        par[_PLACE[f"effects.{name}"]] = value
-    return par
-
-
-def unpack(par: NDArray[np.float64]) -> Mechanism:
-    """Return the mechanism of a parameter vector; the inverse of `pack`, without loss.
-
-    Raises
-    ------
-    InputError : wrong length, a value out of its bounds, or an axial law that is neither 0 nor 1.
-    """
-    vector = np.asarray(par, dtype=np.float64)
-    if vector.shape != (size(),):
-        raise InputError(f"a parameter vector has shape ({size()},), not {vector.shape}")
-    values: dict[str, Any] = {entry.key: float(vector[place]) for place, entry in enumerate(PARAMETERS)}
-    law = values["beam.axial_law"]
-    if law not in (0.0, 1.0):
-        raise InputError(f"beam.axial_law = {law!r}: allowed is 0 ({AXIAL_LAWS[0]}) or 1 ({AXIAL_LAWS[1]})")
-    values["beam.axial_law"] = AXIAL_LAWS[int(law)]
-    parts = {
-        name: section(**{item.name: values[f"{name}.{item.name}"] for item in fields(section)})
-        for name, section in SECTIONS.items()
-    }
-    return Mechanism(**parts, effects=Effects({name: values[f"effects.{name}"] for name in EFFECT_QUANTITIES}))

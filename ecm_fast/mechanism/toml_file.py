@@ -3,21 +3,22 @@
 import os
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, did_you_mean, key_shown, shown, why
 from ..files import write_whole
 from .catalogue import CATALOGUE
-from .mechanism import PRESETS, SECTIONS, Effects, Mechanism
 from .parameters import PARAMETERS
 from .quantity import Quantity
+from .sections import PRESETS, SECTIONS
 
-__all__ = ["read_mechanism", "template", "write_mechanism"]
+__all__ = ["read_values", "template", "write_values"]
 
 
-def read_mechanism(path: str | os.PathLike[str]) -> Mechanism:
-    """Read a mechanism file.
+def read_values(path: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
+    """Return the preset that a mechanism file starts from, and its values by their full names.
 
     Raises
     ------
@@ -31,13 +32,13 @@ def read_mechanism(path: str | os.PathLike[str]) -> Mechanism:
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not a TOML file ({str(error).splitlines()[0]})") from None
     try:
-        return _mechanism(content)
+        return _values(content)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
 
 
-def _mechanism(content: dict[str, Any]) -> Mechanism:
-    tables = {**SECTIONS, "effects": Effects}
+def _values(content: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    tables = [*SECTIONS, "effects"]
     for key, value in content.items():
         if key == "preset":
             continue
@@ -46,9 +47,7 @@ def _mechanism(content: dict[str, Any]) -> Mechanism:
                              f"preset, {', '.join(tables)}")  # fmt: skip
         if not isinstance(value, dict):
             raise InputError(f"{key} = {shown(value)}: allowed is a table, written [{key}]")
-    mechanism = Mechanism.preset(_preset(content))
-    changes = {f"{section}.{name}": value for section, name, value in _entries(content)}
-    return mechanism.replace(**changes)
+    return _preset(content), {f"{section}.{name}": value for section, name, value in _entries(content)}
 
 
 def _preset(content: Mapping[str, Any]) -> str:
@@ -82,34 +81,39 @@ def _entries(content: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
             yield "effects", allowed[part], number
 
 
-def write_mechanism(mechanism: Mechanism, path: str | os.PathLike[str], remarks: Iterable[str] = ()) -> None:
-    """Write every value of a mechanism, each with its unit and meaning; reading it gives the same mechanism.
+def write_values(values: Mapping[str, float | str], path: str | os.PathLike[str], remarks: Iterable[str] = ()) -> None:
+    """Write every value of a mechanism, by its full name, with its unit and meaning; reading it gives the same values.
 
     remarks : what else a reader should know, for comments at the top
     """
-    text = _text(mechanism, {entry.key: entry for entry in PARAMETERS}, with_source=False)
+    text = _text(values, {entry.key: entry for entry in PARAMETERS}, with_source=False)
     title, rest = text.split("\n", 1)
     write_whole(path, "\n".join([title, *(f"# {_printable(remark)}" for remark in remarks), rest]))
 
 
 def template(preset: str = "slender") -> str:
     """Return a mechanism file with a preset's values, commented with unit, meaning and where each comes from."""
-    entries = {entry.key: entry for entry in PARAMETERS} | PRESETS.get(preset, {})
-    return _text(Mechanism.preset(preset), entries, with_source=True)
+    if preset not in PRESETS:
+        raise InputError(f"preset = {shown(preset)}: allowed is {' or '.join(map(repr, PRESETS))}")
+    entries = {entry.key: entry for entry in PARAMETERS} | PRESETS[preset]
+    defaults = {f"{name}.{item.name}": item.default for name, section in SECTIONS.items() for item in fields(section)}
+    values: dict[str, Any] = defaults | {key: entry.default for key, entry in PRESETS[preset].items()}
+    return _text(values, entries, with_source=True)
 
 
-def _text(mechanism: Mechanism, entries: Mapping[str, Quantity], *, with_source: bool) -> str:
+def _text(values: Mapping[str, float | str], entries: Mapping[str, Quantity], *, with_source: bool) -> str:
     lines = ["# A mechanism of ecm-fast: SI units, angles in radians. Every key is optional."]
     for section, cls in SECTIONS.items():
         lines += ["", f"[{section}]"]
         for name in cls.__dataclass_fields__:
-            entry, value = entries[f"{section}.{name}"], getattr(getattr(mechanism, section), name)
+            entry, value = entries[f"{section}.{name}"], values[f"{section}.{name}"]
             source = f" ({entry.status}: {entry.source})" if with_source else ""
             lines.append(f"{name} = {_literal(value)}  # {_unit(entry)}{entry.meaning}{source}")
     lines += ["", "[effects]  # absent means 0; below 0 is the other way round than said"]
-    for name, value in mechanism.effects.items():
-        entry = entries[f"effects.{name}"]
-        lines.append(f"{name} = {_literal(value)}  # {_unit(entry)}{entry.meaning}")
+    for key, value in values.items():
+        if key.startswith("effects."):
+            entry = entries[key]
+            lines.append(f"{entry.name} = {_literal(value)}  # {_unit(entry)}{entry.meaning}")
     return "\n".join(lines) + "\n"
 
 

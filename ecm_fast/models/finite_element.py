@@ -13,7 +13,7 @@ from ..kernels.general.sensitivity import tip_derivatives
 from ..kernels.layout import N_LOADS, N_OUT, O_FACTOR, O_ITERATIONS, O_THETA, O_X, O_Z
 from ..kernels.prepare import prepare
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.parameters import pack
+from ..mechanism.vector import pack
 from ..mesh.discretization import Discretization
 from ..mesh.families import find_family
 from .batch import fast_path, solve_cases, work_arrays

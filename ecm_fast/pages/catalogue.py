@@ -14,7 +14,8 @@ from ..diagnosis import Plan, plan
 from ..identification.rows import FitRows, FitSet
 from ..mechanism.catalogue import CATALOGUE, Effect
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.parameters import index, pack
+from ..mechanism.parameters import index
+from ..mechanism.vector import pack
 from ..testbed import tendon_test
 from .page import Picture, Section, Table, write_report
 from .plots import COLORS, FAINT, canvas

@@ -17,7 +17,7 @@ from ..kernels._jit import CACHE_FOLDER
 from ..kernels.general.tip import tendon_directions
 from ..kernels.polynomial import DEGREES
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.parameters import pack
+from ..mechanism.vector import pack
 from ..mesh.families import FAMILIES
 from ..models.finite_element import FiniteElementModel
 from ..models.paths.condensed import ORDERS

@@ -16,7 +16,8 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanism.catalogue import camera, ends, environment, forces, geometry, path, section
-from ..mechanism.mechanism import EFFECT_QUANTITIES, SECTIONS, Mechanism
+from ..mechanism.mechanism import Mechanism
+from ..mechanism.sections import EFFECT_QUANTITIES, SECTIONS
 from . import outside
 
 __all__ = [

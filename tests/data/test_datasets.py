@@ -8,7 +8,7 @@ import pytest
 
 from ecm_fast.data import datasets
 from ecm_fast.errors import InputError
-from ecm_fast.mechanism.parameters import pack
+from ecm_fast.mechanism.vector import pack
 from ecm_fast.models.finite_element import FiniteElementModel
 from ecm_fast.models.instruments.prediction import predict
 

@@ -5,7 +5,8 @@ import pytest
 
 from ecm_fast import FiniteElementModel, InputError, Mechanism
 from ecm_fast.data.measurements import Measurements
-from ecm_fast.mechanism.parameters import index, pack
+from ecm_fast.mechanism.parameters import index
+from ecm_fast.mechanism.vector import pack
 from ecm_fast.testbed import equilibria
 
 FREE = Mechanism().replace(g=0.0, axial_law="hooke")

@@ -11,7 +11,8 @@ from ecm_fast import FiniteElementModel, InputError, Mechanism, Status
 from ecm_fast.data.measurements import Measurements
 from ecm_fast.kernels.condensed.formulation import put_load, state_size, straighten
 from ecm_fast.kernels.layout import LANES, R_EXTREME, R_PIVOT, R_SIZE, R_THETA, R_X, R_Z
-from ecm_fast.mechanism.parameters import find, index, pack, unpack
+from ecm_fast.mechanism.parameters import find, index
+from ecm_fast.mechanism.vector import pack, unpack
 from ecm_fast.models.batch import WORTH_A_GUESS
 from ecm_fast.models.loads import QUADRATIC
 from ecm_fast.models.paths.condensed import columns

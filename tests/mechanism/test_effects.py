@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from ecm_fast import CATALOGUE, Discretization, FiniteElementModel, Measurements, Mechanism
-from ecm_fast.mechanism.parameters import index, pack
+from ecm_fast.mechanism.parameters import index
+from ecm_fast.mechanism.vector import pack
 from ecm_fast.models.instruments.measuring_chain import MeasuringChain
 
 NECK = Mechanism.preset("slender")

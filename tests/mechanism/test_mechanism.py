@@ -15,9 +15,11 @@ import pytest
 from ecm_fast.errors import InputError
 from ecm_fast.files import write_whole
 from ecm_fast.mechanism.catalogue import CATALOGUE
-from ecm_fast.mechanism.mechanism import PRESETS, Beam, Effects, Gravity, Head, Mechanism, Tendons
-from ecm_fast.mechanism.parameters import PARAMETERS, find, index, pack, unpack
-from ecm_fast.mechanism.toml_file import read_mechanism, template, write_mechanism
+from ecm_fast.mechanism.mechanism import Effects, Mechanism
+from ecm_fast.mechanism.parameters import PARAMETERS, find, index
+from ecm_fast.mechanism.sections import PRESETS, Beam, Gravity, Head, Tendons
+from ecm_fast.mechanism.toml_file import template
+from ecm_fast.mechanism.vector import pack, unpack
 
 # what the paper states, and what had to be inferred from it or assumed
 THEORY = {
@@ -241,14 +243,14 @@ def test_a_file_reads_back_to_the_same_mechanism(tmp_path: Path) -> None:
     path = tmp_path / "neck.toml"
     FULL.to_toml(path)
     assert Mechanism.from_toml(path) == FULL
-    assert pack(read_mechanism(str(path))).tolist() == pack(FULL).tolist()
+    assert pack(Mechanism.from_toml(str(path))).tolist() == pack(FULL).tolist()
 
 
 @pytest.mark.parametrize("preset", ["slender", "paper"])
 def test_the_template_is_the_preset_and_says_where_every_value_comes_from(tmp_path: Path, preset: str) -> None:
     path = tmp_path / "neck.toml"
     path.write_text(template(preset), encoding="utf-8")
-    assert read_mechanism(path) == Mechanism.preset(preset)
+    assert Mechanism.from_toml(path) == Mechanism.preset(preset)
     lines = {line.split(" = ")[0]: line for line in template(preset).splitlines() if " = " in line}
     for key, (_, status) in THEORY.items():
         expected = "derived" if (preset, key) == ("paper", "beam.length") else status
@@ -273,7 +275,7 @@ def test_every_key_is_optional(tmp_path: Path) -> None:
         "\ufeff[head]\r\nh = 2.0 # as a plain editor of Windows writes it\r\n": Mechanism().replace(h=2.0),
     }.items():  # fmt: skip
         path.write_bytes(content.encode())
-        assert read_mechanism(path) == expected, content
+        assert Mechanism.from_toml(path) == expected, content
 
 
 def test_the_example_of_the_interface_is_a_good_file(tmp_path: Path) -> None:
@@ -283,7 +285,7 @@ def test_the_example_of_the_interface_is_a_good_file(tmp_path: Path) -> None:
         'axial_law = "neo-hookean"\n[head]\nmass = 1.0\nh = 0.05\nb = 0.0\n[tendons]\nplate_half_width = 0.070\n'
         "pulley_x = 0.0\npulley_z = 0.070\npulley_radius = 0.0\n[gravity]\ng = 9.81\n[effects]\nprecurvature = 0.2\n"
     )
-    assert read_mechanism(path) == Mechanism().replace(precurvature=0.2)
+    assert Mechanism.from_toml(path) == Mechanism().replace(precurvature=0.2)
 
 
 @pytest.mark.parametrize(
@@ -320,7 +322,7 @@ def test_the_example_of_the_interface_is_a_good_file(tmp_path: Path) -> None:
 def test_a_file_that_cannot_be_meant(tmp_path: Path, content: str, text: str) -> None:
     path = tmp_path / "neck.toml"
     path.write_text(content, encoding="utf-8")
-    assert message(read_mechanism, path) == f"{path}: {text}"
+    assert message(Mechanism.from_toml, path) == f"{path}: {text}"
 
 
 @pytest.mark.parametrize(
@@ -339,7 +341,7 @@ def test_a_file_that_cannot_be_meant(tmp_path: Path, content: str, text: str) ->
 def test_a_file_that_is_not_toml(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "neck.toml"
     path.write_bytes(content)
-    assert message(read_mechanism, path).startswith(f"{path}: not a TOML file (")
+    assert message(Mechanism.from_toml, path).startswith(f"{path}: not a TOML file (")
 
 
 @pytest.mark.parametrize(
@@ -354,20 +356,20 @@ def test_a_file_that_is_not_toml(tmp_path: Path, content: bytes) -> None:
 def test_a_number_too_long_to_be_written_out(tmp_path: Path, content: str, key: str) -> None:
     path = tmp_path / "neck.toml"
     path.write_text(content.format("0x" + "f" * 5000))
-    assert message(read_mechanism, path).startswith(f"{path}: {key} = ")
+    assert message(Mechanism.from_toml, path).startswith(f"{path}: {key} = ")
 
 
 def test_a_table_nested_too_deep_to_be_written_out(tmp_path: Path) -> None:
     path = tmp_path / "neck.toml"
     path.write_text("[beam]\nEA" + ".a" * 5000 + " = 1")
-    assert message(read_mechanism, path).startswith(f"{path}: beam.EA = ")
+    assert message(Mechanism.from_toml, path).startswith(f"{path}: beam.EA = ")
 
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
-    assert message(read_mechanism, tmp_path / "no.toml") == (
+    assert message(Mechanism.from_toml, tmp_path / "no.toml") == (
         f"{tmp_path / 'no.toml'}: cannot be read (No such file or directory)"
     )
-    assert message(read_mechanism, tmp_path) == f"{tmp_path}: cannot be read (Is a directory)"
+    assert message(Mechanism.from_toml, tmp_path) == f"{tmp_path}: cannot be read (Is a directory)"
 
 
 # Writing files whole
@@ -419,7 +421,7 @@ def test_places_that_cannot_be_written(tmp_path: Path) -> None:
         tmp_path / "a\0b": "embedded null byte",
     }.items():
         assert message(write_whole, place, "x") == f"{place}: cannot be written here ({reason})"
-    assert message(write_mechanism, FULL, tmp_path / "none" / "n.toml").startswith(f"{tmp_path / 'none' / 'n.toml'}: ")
+    assert message(FULL.to_toml, tmp_path / "none" / "n.toml").startswith(f"{tmp_path / 'none' / 'n.toml'}: ")
     assert sorted(os.listdir(tmp_path)) == ["file", "folder"]
 
 

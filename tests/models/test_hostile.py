@@ -16,10 +16,11 @@ from hypothesis import strategies as st
 from ecm_fast.cli import main
 from ecm_fast.errors import InputError
 from ecm_fast.kernels.general.newton import MAX_ITERATIONS, MAX_LOAD_STEPS
-from ecm_fast.mechanism.mechanism import AXIAL_LAWS, SECTIONS, Mechanism
-from ecm_fast.mechanism.parameters import PARAMETERS, find, pack, unpack
+from ecm_fast.mechanism.mechanism import Mechanism
+from ecm_fast.mechanism.parameters import PARAMETERS, find
 from ecm_fast.mechanism.quantity import Quantity
-from ecm_fast.mechanism.toml_file import read_mechanism, write_mechanism
+from ecm_fast.mechanism.sections import AXIAL_LAWS, SECTIONS
+from ecm_fast.mechanism.vector import pack, unpack
 from ecm_fast.mesh.discretization import Discretization
 from ecm_fast.models import reference
 from ecm_fast.models.equilibrium import Equilibrium, Status
@@ -86,8 +87,8 @@ tensions = st.one_of(numbers, signed)
 @given(every_value)
 def test_any_mechanism_goes_to_a_file_and_to_a_vector_and_back(neck: Mechanism) -> None:
     with tempfile.TemporaryDirectory() as folder:
-        write_mechanism(neck, Path(folder) / "neck.toml")
-        again = read_mechanism(Path(folder) / "neck.toml")
+        neck.to_toml(Path(folder) / "neck.toml")
+        again = Mechanism.from_toml(Path(folder) / "neck.toml")
     assert again == neck == unpack(pack(neck))
     assert pack(again).tobytes() == pack(unpack(pack(neck))).tobytes() == pack(neck).tobytes()
 
@@ -134,7 +135,7 @@ def check_file(content: bytes) -> None:
         path = Path(folder) / "neck.toml"
         path.write_bytes(content)
         try:
-            assert isinstance(read_mechanism(path), Mechanism)
+            assert isinstance(Mechanism.from_toml(path), Mechanism)
         except InputError as error:
             one_line(error, f"{path}: ")
 
@@ -156,7 +157,7 @@ def test_any_bytes_as_a_mechanism_file(content: bytes) -> None:
 @given(st.data())
 def test_a_good_file_with_damage(data: st.DataObject) -> None:
     with tempfile.TemporaryDirectory() as folder:
-        write_mechanism(data.draw(mechanisms), Path(folder) / "neck.toml")
+        data.draw(mechanisms).to_toml(Path(folder) / "neck.toml")
         content = bytearray((Path(folder) / "neck.toml").read_bytes())
     for place, byte in data.draw(
         st.dictionaries(st.integers(0, len(content) - 1), st.integers(0, 255), max_size=4)

@@ -16,8 +16,9 @@ from ecm_fast.kernels.camera import read_derivatives
 from ecm_fast.kernels.general import front, section, tip
 from ecm_fast.kernels.general.elements import lagrange as element_kernel
 from ecm_fast.mechanism.catalogue import CATALOGUE
-from ecm_fast.mechanism.mechanism import EFFECT_QUANTITIES
-from ecm_fast.mechanism.parameters import PARAMETERS, find, index, pack
+from ecm_fast.mechanism.parameters import PARAMETERS, find, index
+from ecm_fast.mechanism.sections import EFFECT_QUANTITIES
+from ecm_fast.mechanism.vector import pack
 from ecm_fast.models import reference
 
 ROUNDING = 1e-13

@@ -6,7 +6,8 @@ import pytest
 from ecm_fast import Discretization, FiniteElementModel, InputError, Mechanism, Status
 from ecm_fast.kernels.general.sensitivity import pose_sensitivities
 from ecm_fast.kernels.layout import N_LOADS
-from ecm_fast.mechanism.parameters import PARAMETERS, find, index, pack, unpack
+from ecm_fast.mechanism.parameters import PARAMETERS, find, index
+from ecm_fast.mechanism.vector import pack, unpack
 from ecm_fast.models import reference
 from ecm_fast.models.sensitivity import _FURTHER as LAWS
 from ecm_fast.models.sensitivity import _work

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import newton, root
 
 from ecm_fast import BatchResult, FiniteElementModel, InputError, Mechanism, NotConverged, Status
-from ecm_fast.mechanism.parameters import pack
+from ecm_fast.mechanism.vector import pack
 from ecm_fast.models import reference
 
 LADDER = {"length": 0.15, "EA": 7500.0, "GA": 2420.0, "EI": 3.0, "g": 0.0}

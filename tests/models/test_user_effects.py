@@ -8,7 +8,7 @@ import pytest
 
 import ecm_fast as ecm
 from ecm_fast.__main__ import main
-from ecm_fast.mechanism.parameters import pack, unpack
+from ecm_fast.mechanism.vector import pack, unpack
 
 NECK = ecm.Mechanism.preset("slender")
 LAM = np.random.default_rng(0).uniform(0.0, 160.0, (12, 2))

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from ecm_fast import CATALOGUE, FiniteElementModel, Mechanism
-from ecm_fast.mechanism.parameters import PARAMETERS, find, pack
+from ecm_fast.mechanism.parameters import PARAMETERS, find
+from ecm_fast.mechanism.vector import pack
 from ecm_fast.models import reference
 
 LAM, WRENCH = (120.0, 35.0), (-60.0, 25.0, -1.5)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from ecm_fast import FiniteElementModel, Mechanism, Status
-from ecm_fast.mechanism.parameters import pack
+from ecm_fast.mechanism.vector import pack
 from ecm_fast.models import reference
 
 TABLE = 1e-11

@@ -10,7 +10,7 @@ from ecm_fast import Mechanism, Truth, hide, read_measurements
 from ecm_fast.__main__ import main
 from ecm_fast.errors import InputError
 from ecm_fast.mechanism.catalogue import CATALOGUE
-from ecm_fast.mechanism.mechanism import EFFECT_QUANTITIES
+from ecm_fast.mechanism.sections import EFFECT_QUANTITIES
 from ecm_fast.testbed import DESIGNS, OUTSIDE, design, equilibria, laws
 from ecm_fast.testbed.sealed.hide import NOISES, TOLERANCES, conditions, drawn
 

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, did_you_mean
-from ...mechanism.mechanism import AXIAL_LAWS, Mechanism
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.sections import AXIAL_LAWS
 from ..measurements import Measurements, read_measurements
 
 __all__ = ["ReferenceSolutions", "available", "describe", "load", "reference_solutions"]

@@ -1,6 +1,5 @@
 """What to know beside an answer: stiffnesses in doubt, a second name that no test asks for, sizes beyond the usual."""
 
-import math
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
@@ -13,10 +12,8 @@ from ..problem.candidates import Candidate
 from ..results.findings import Claim
 from ..search.fit import Fit
 
-__all__ = ["odds", "size_doubts", "stiffness_doubts", "together_doubts", "unasked_doubt"]
+__all__ = ["size_doubts", "stiffness_doubts", "together_doubts"]
 
-_CERTAIN = 1e4
-"""Odds beyond which their number says nothing more."""
 _LOOSE = 0.15
 """Standard deviation, in shares of the value, beyond which a stiffness is hardly fixed."""
 _FAR, _MUCH = 5.0, 0.03
@@ -25,17 +22,6 @@ _UNUSUAL = 4.0
 """Typical sizes beyond which an effect may stand for another one."""
 _TOGETHER = 0.95
 """Correlation from which on data see a combination of two parameters of an effect rather than each."""
-
-
-def odds(evidence: float) -> str:
-    """Return the odds of what has so much more evidence, of explanations equally likely before the data speak."""
-    times = math.exp(min(0.5 * evidence, math.log(_CERTAIN)))
-    return f"more than {_CERTAIN:.0f}" if times >= 0.999 * _CERTAIN else f"{times:.0f}"
-
-
-def unasked_doubt(name: str, evidence: float) -> str:
-    """Return a line where one effect alone passes the tests, though two have so much more evidence."""
-    return f"{name} alone passes the tests, too; that there are two effects is {odds(evidence)} times as likely"
 
 
 def size_doubts(claims: Iterable[Claim], mechanism: Mechanism) -> tuple[str, ...]:

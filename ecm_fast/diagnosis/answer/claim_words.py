@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.parameters import find
 from ..results.findings import Claim, Model
-from .caveats import odds
+from ..search.odds import odds
 
 __all__ = ["MIRRORS", "alike", "dimensions", "meaning", "next_best", "size"]
 

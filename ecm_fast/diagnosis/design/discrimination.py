@@ -14,7 +14,8 @@ from ...identification.identify import identify
 from ...identification.rows import DECLARED, FitRows, FitSet, Noise, State
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
-from ...mechanism.parameters import find, index, pack
+from ...mechanism.parameters import find, index
+from ...mechanism.vector import pack
 from ...mesh.discretization import Discretization
 from ..results.next_loads import ENOUGH, NextLoads, Suggestion
 from .load_pool import Pool

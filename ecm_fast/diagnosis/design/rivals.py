@@ -11,7 +11,8 @@ from ...errors import InputError, did_you_mean
 from ...identification.identify import identify
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
-from ...mechanism.parameters import index, pack
+from ...mechanism.parameters import index
+from ...mechanism.vector import pack
 
 __all__ = ["STIFFNESSES", "Rival", "fitted_rivals", "in_question", "rivals_of"]
 

@@ -10,7 +10,8 @@ from ...data.measurements import Measurements
 from ...errors import InputError, did_you_mean
 from ...mechanism.catalogue import CATALOGUE, Effect
 from ...mechanism.mechanism import Mechanism
-from ...mechanism.parameters import find, index, pack
+from ...mechanism.parameters import find, index
+from ...mechanism.vector import pack
 from ..statistics.size_prior import SIZE_SPREAD
 
 __all__ = ["GROUPS", "Candidate", "chosen", "lacking", "uncertain_parameters"]

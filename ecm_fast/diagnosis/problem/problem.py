@@ -13,7 +13,8 @@ from ...identification.identify import _mesh
 from ...identification.rows import FitRows, FitSet, Noise, State
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
-from ...mechanism.parameters import find, index, pack
+from ...mechanism.parameters import find, index
+from ...mechanism.vector import pack
 from ..statistics.priors import ROUGHLY, Priors
 from ..statistics.robust_noise import Chain
 from .candidates import Candidate

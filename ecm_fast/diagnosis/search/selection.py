@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...identification.rows import Noise
-from ..answer.caveats import unasked_doubt
 from ..problem.linearization import View
 from ..problem.problem import Problem
 from ..results.diagnosis import Gate, Model
 from . import initial_values as further
 from .calibration import calibrate
 from .fit import Fit, refit
+from .odds import unasked_doubt
 from .outliers import louder_than_declared, on_more_than_a_row
 
 __all__ = ["LIMITS", "Fits", "Found", "onward", "refused", "search", "search_from"]

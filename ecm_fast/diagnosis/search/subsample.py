@@ -10,12 +10,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..answer.caveats import unasked_doubt
 from ..problem.holdout import regions
 from ..problem.linearization import View
 from ..problem.problem import Problem
 from ..results.diagnosis import Gate
 from .fit import Fit, refit
+from .odds import unasked_doubt
 from .outliers import on_more_than_a_row
 from .selection import (
     _WORTH,

@@ -13,7 +13,7 @@ from ...data.columns import COLUMNS
 from ...data.measurements import Measurements
 from ...files import csv_text, write_whole
 from ...mechanism.mechanism import Mechanism
-from ...mechanism.parameters import pack
+from ...mechanism.vector import pack
 from ...mesh.discretization import Discretization
 from ..equilibrium import Status
 from ..loads import last_step

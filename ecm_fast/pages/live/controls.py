@@ -9,8 +9,9 @@ import numpy as np
 from ...errors import InputError, did_you_mean, key_shown, shown
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
-from ...mechanism.parameters import PARAMETERS, find, pack
+from ...mechanism.parameters import PARAMETERS, find
 from ...mechanism.quantity import Quantity
+from ...mechanism.vector import pack
 
 __all__ = ["LAM_MAX", "LOADS", "Control", "checked", "controls"]
 

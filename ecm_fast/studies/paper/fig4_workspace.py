@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...mechanism.mechanism import PRESETS, Mechanism
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.sections import PRESETS
 from ...models.equilibrium import BatchResult
 from ...models.finite_element import FiniteElementModel
 from ...models.polynomial.training import WRENCH_BOX, tip_wrenches, training_poses

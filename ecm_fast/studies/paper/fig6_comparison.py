@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...data.datasets import load
 from ...data.measurements import Measurements
-from ...mechanism.mechanism import PRESETS
+from ...mechanism.sections import PRESETS
 from ...models.finite_element import FiniteElementModel
 from ...models.instruments.prediction import predict
 from ...models.polynomial.model import PolynomialModel

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...mechanism.mechanism import PRESETS, Mechanism
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.sections import PRESETS
 from ...pages.page import Picture, Section, Table
 from .claims import Claim, Part, verdict
 from .fig7_times import Fig7, fig7

@@ -23,8 +23,9 @@ from numpy.typing import NDArray
 from ... import __version__
 from ...errors import InputError
 from ...files import csv_text, write_whole
-from ...mechanism.mechanism import PRESETS, Mechanism
-from ...mechanism.parameters import pack
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.sections import PRESETS
+from ...mechanism.vector import pack
 from ...mesh.discretization import Discretization
 from ...models import reference
 from ...models.finite_element import FiniteElementModel

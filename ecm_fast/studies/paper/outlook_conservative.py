@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...mechanism.mechanism import PRESETS, Mechanism
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.sections import PRESETS
 from ...models.finite_element import FiniteElementModel
 from ...models.polynomial.multivariate import monomials
 from ...pages.page import Picture, Section, Table

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...mechanism.mechanism import PRESETS, Mechanism
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.sections import PRESETS
 from ...models.finite_element import FiniteElementModel
 from ...models.polynomial.model import PolynomialModel
 from ...models.polynomial.training import relative_errors, tip_wrenches, training_poses

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...data.datasets import ReferenceSolutions, reference_solutions
 from ...mechanism.mechanism import Mechanism
-from ...mechanism.parameters import pack
+from ...mechanism.vector import pack
 from ...models.finite_element import FiniteElementModel
 from ...pages.page import Section, Table
 from ...pages.plots import random_tendon_forces

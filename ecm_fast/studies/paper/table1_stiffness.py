@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ...data.datasets import load
 from ...data.measurements import Measurements
-from ...mechanism.mechanism import PRESETS, Mechanism
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.sections import PRESETS
 from ...pages.page import Picture, Section, Table
 from ...pages.plots import COLORS, FAINT, canvas
 from .claims import MM, NOT_PUBLIC, SIMULATED, Claim, Part, by_channel, shown, verdict

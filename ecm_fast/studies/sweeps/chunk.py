@@ -8,7 +8,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ...mechanism.parameters import index, pack, size
+from ...mechanism.parameters import index, size
+from ...mechanism.vector import pack
 from ...models.equilibrium import BatchResult
 from ...models.finite_element import FiniteElementModel
 from .buffers import Room

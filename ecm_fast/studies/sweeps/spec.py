@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from ... import __version__
 from ...mechanism.mechanism import Mechanism
-from ...mechanism.parameters import PARAMETERS, find, pack, unpack
+from ...mechanism.parameters import PARAMETERS, find
+from ...mechanism.vector import pack, unpack
 
 __all__ = ["CHUNK", "LOADS", "OUTPUTS", "Input", "SweepSpec", "column", "limits"]
 

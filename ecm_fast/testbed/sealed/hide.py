@@ -11,9 +11,10 @@ import numpy as np
 from ...data.measurements import Measurements
 from ...errors import InputError, did_you_mean, shown
 from ...mechanism.catalogue import CATALOGUE
-from ...mechanism.mechanism import EFFECT_QUANTITIES, Mechanism
+from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find
 from ...mechanism.quantity import Quantity
+from ...mechanism.sections import EFFECT_QUANTITIES
 from .. import BUILT_IN, OUTSIDE, Sensors, measure
 from .. import design as loads_of
 from .ground_truth import Truth
