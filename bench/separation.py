@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ecm_fast.data.measurements import Measurements
-from ecm_fast.diagnosis.problem.linearization import View
-from ecm_fast.diagnosis.search import initial_values as further
+from ecm_fast.diagnosis.problem.linearization import Linearization
 from ecm_fast.diagnosis.search.calibration import calibrate
 from ecm_fast.diagnosis.search.fit import Fit, refit
+from ecm_fast.diagnosis.search.initial_values import initial_values
 from ecm_fast.diagnosis.study import Study
 from ecm_fast.mechanism.mechanism import Mechanism
 
@@ -77,30 +77,30 @@ def beside(
             for name, rest in ((one, other), (other, one))}  # fmt: skip
 
 
-def _of_any_size(mechanism: Mechanism, data: Measurements, priors: Priors | None) -> tuple[View, Fit]:
+def _of_any_size(mechanism: Mechanism, data: Measurements, priors: Priors | None) -> tuple[Linearization, Fit]:
     """Return the view in which effects may be as large as they like, and the fit without any."""
     problem = Study(mechanism, data, priors=priors or {}).problem()
     problem.drift, problem.tolerances = 0.0, {}
     problem.candidates = tuple(replace(entry, spread=(_ANY * entry.typical, *entry.spread[1:])) for entry in
                                problem.candidates)  # fmt: skip
     values, noise = calibrate(problem)
-    view = View.at(problem, values, (), noise, known=True)
+    view = Linearization.at(problem, values, (), noise, known=True)
     null = refit(view, (), values)
-    return View.at(problem, {**values, **further.starts(view)}, (), noise, known=True), null
+    return Linearization.at(problem, {**values, **initial_values(view)}, (), noise, known=True), null
 
 
-def _elsewhere(view: View) -> list[View]:
+def _elsewhere(view: Linearization) -> list[Linearization]:
     """Return views with the further parameters of effects far from where one expects them."""
     further = [entry for c in view.problem.candidates for entry in
                zip(c.keys[1:], c.start[1:], c.lower[1:], c.upper[1:], strict=True)]  # fmt: skip
     found = []
     for by in _TIMES:
         moved = {key: float(np.clip(by * value, lower, upper)) for key, value, lower, upper in further}
-        found.append(View.at(view.problem, {**view.values, **moved}, (), view.noise, known=True))
+        found.append(Linearization.at(view.problem, {**view.values, **moved}, (), view.noise, known=True))
     return found
 
 
-def _settled(view: View, i: int, begin: View) -> Fit:
+def _settled(view: Linearization, i: int, begin: Linearization) -> Fit:
     """Return the fit of one effect, taken up until it is at its minimum, from where another view says."""
     fit = refit(view, (i,), begin.linear_start((i,)))
     for _ in range(_AGAIN):
@@ -110,7 +110,7 @@ def _settled(view: View, i: int, begin: View) -> Fit:
     return fit
 
 
-def _left(view: View, fit: Fit) -> float:
+def _left(view: Linearization, fit: Fit) -> float:
     """Return the sum of squares without what the effect's own prior adds to it."""
     candidate, values = view.problem.candidates[fit.model[0]], fit.by_key()
     own = zip(candidate.keys, candidate.start, candidate.spread, strict=True)

@@ -217,7 +217,7 @@ def _inputs(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _text(found: "Diagnosis", neck: "Mechanism") -> str:
-    from ..diagnosis.answer.claim_words import MIRRORS, alike, dimensions, meaning, next_best, size
+    from ..diagnosis.answer.sentences import MIRRORS, alike, dimensions, meaning, next_best, size
 
     lines = [f"{found.verdict}: {found.sentence}"]
     for claim in found.effects:

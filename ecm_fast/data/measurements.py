@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError, did_you_mean
 from ..files import csv_text, write_whole
 from .columns import COLUMNS, column_of, match
-from .readers import Table, read_table, table_of
+from .readers import RawTable, read_table, table_of
 
 __all__ = ["Measurements", "read_measurements"]
 
@@ -205,7 +205,7 @@ def read_measurements(path: str | os.PathLike[str]) -> Measurements:
         raise InputError(f"{path}: {error}") from None
 
 
-def _checked(table: Table) -> dict[str, Any]:
+def _checked(table: RawTable) -> dict[str, Any]:
     """Return the fields of `Measurements` but its source."""
     names = tuple(name for name, _ in table.columns)
     matched = match(names)

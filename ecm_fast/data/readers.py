@@ -18,11 +18,11 @@ from ..errors import InputError, why
 from .columns import is_note, match
 from .matlab import Unreadable, read_level5
 
-__all__ = ["Table", "read_table", "table_of"]
+__all__ = ["RawTable", "read_table", "table_of"]
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class RawTable:
     """Named columns of cells, notes left out; a cell is text, a number or None for a blank.
 
     Attributes
@@ -37,7 +37,7 @@ class Table:
     counted: str
 
 
-def read_table(path: str | os.PathLike[str]) -> Table:
+def read_table(path: str | os.PathLike[str]) -> RawTable:
     """Read a file; its ending tells the format.
 
     Raises
@@ -58,7 +58,7 @@ def read_table(path: str | os.PathLike[str]) -> Table:
     return reader(content, target)
 
 
-def table_of(columns: Mapping[str, Any]) -> Table:
+def table_of(columns: Mapping[str, Any]) -> RawTable:
     """Return a table of vectors that are in memory or come from MATLAB, where nan is the only blank of a number."""
     named = {name: value for name, value in columns.items() if not is_note(name)}
     match(named)  # of an unknown matrix the user should hear that it is unknown, not that it is no vector
@@ -67,7 +67,7 @@ def table_of(columns: Mapping[str, Any]) -> Table:
         if len(column) != len(cells[0][1]):
             raise InputError(f"{cells[0][0]} has {len(cells[0][1])} entries, {name} has {len(column)}; "
                              "all columns are equally long")  # fmt: skip
-    return Table(cells, range(1, len(cells[0][1]) + 1), "row")
+    return RawTable(cells, range(1, len(cells[0][1]) + 1), "row")
 
 
 def _cells(name: str, value: Any) -> list[object]:
@@ -89,7 +89,7 @@ def _cell(item: object) -> object:
     return item
 
 
-def _read_csv(content: bytes, _: Path) -> Table:
+def _read_csv(content: bytes, _: Path) -> RawTable:
     lines = list(io.StringIO(_text(content), newline=""))  # every line ending, counted as `csv` does
     start = next((i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), None)
     if start is None:
@@ -102,7 +102,7 @@ def _read_csv(content: bytes, _: Path) -> Table:
     except csv.Error as error:
         raise InputError(f"line {start + reader.line_num}: {error}") from None
     columns = zip(*(cells for _, cells in records), strict=True) if records else [()] * len(header)
-    return Table(
+    return RawTable(
         [(name, cells) for name, cells in zip(header, columns, strict=True) if not is_note(name)],
         [line for line, _ in records],
         "line",
@@ -144,7 +144,7 @@ def _records(reader: Any, start: int, width: int) -> Iterator[tuple[int, list[st
         line = start + reader.line_num + 1  # a quoted cell may hold line breaks: a record counts from its first line
 
 
-def _read_parquet(content: bytes, _: Path) -> Table:
+def _read_parquet(content: bytes, _: Path) -> RawTable:
     parquet = _optional("pyarrow.parquet", "a Parquet file")
     try:
         table = parquet.ParquetFile(io.BytesIO(content)).read()
@@ -153,12 +153,12 @@ def _read_parquet(content: bytes, _: Path) -> Table:
             for name, column in zip(table.column_names, table.columns, strict=True)
             if not is_note(name) and not name.startswith("__index_level_")  # pandas' own, not the user's
         ]
-        return Table(columns, range(1, table.num_rows + 1), "row")
+        return RawTable(columns, range(1, table.num_rows + 1), "row")
     except Exception as error:  # a damaged file makes it raise anything
         raise InputError(f"not a readable Parquet file ({_reason(error)})") from None
 
 
-def _read_mat(content: bytes, path: Path) -> Table:
+def _read_mat(content: bytes, path: Path) -> RawTable:
     if content.startswith(b"MATLAB") and content[124:128] == b"\0\2IM":
         found = _read_mat73(path)
     else:

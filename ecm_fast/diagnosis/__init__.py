@@ -1,20 +1,32 @@
 """Finding what the model is missing: where it disagrees with measurements, which effect that is, and the proof."""
 
-from .results.diagnosis import Claim, Diagnosis, Gap, Gate, Model, Remainder, Rms, Rows, Sight, Transfer, Where
+from .results.diagnosis import (
+    Claim,
+    Detectability,
+    Diagnosis,
+    HoldoutMisfit,
+    LackOfFit,
+    Model,
+    Remainder,
+    Rms,
+    Rows,
+    Transfer,
+    Where,
+)
 from .results.plan import Plan
 from .study import Study, diagnose, plan
 
 __all__ = [
     "Claim",
+    "Detectability",
     "Diagnosis",
-    "Gap",
-    "Gate",
+    "HoldoutMisfit",
+    "LackOfFit",
     "Model",
     "Plan",
     "Remainder",
     "Rms",
     "Rows",
-    "Sight",
     "Study",
     "Transfer",
     "Where",

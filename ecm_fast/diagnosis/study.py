@@ -12,25 +12,24 @@ from ..errors import InputError, shown
 from ..identification.rows import State
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.parameters import find
-from .answer.alarms import alarms
-from .answer.caveats import size_doubts, stiffness_doubts, together_doubts
+from .answer.caveats import alarms, correlation_caveats, size_caveats, stiffness_caveats
 from .answer.claims import claims, estimates
 from .answer.sentences import missing_columns, nearest, sentence, verdict_of
 from .design.detectability import distances, sights
 from .problem.candidates import chosen, uncertain_parameters
-from .problem.linearization import View
+from .problem.linearization import Linearization
 from .problem.problem import DRIFT, Problem
 from .problem.progress import Progress
 from .proof.discrepancy import remainder
 from .proof.external_validation import transfer
-from .proof.holdout_error import Opened, gap
+from .proof.holdout_error import Residuals, gap
 from .proof.localization import compliances, where, wrenches
 from .results.diagnosis import Diagnosis, Noise, Rows, Transfer
 from .results.external_validation import not_carried
 from .results.plan import Plan
 from .search.fit import Fit, refit
-from .search.outliers import louder_than_declared
-from .search.selection import Found
+from .search.outliers import excess_noise
+from .search.selection import Selection
 from .search.subsample import search_all
 
 __all__ = ["Study", "diagnose", "plan"]
@@ -103,7 +102,7 @@ class Study:
         problem = self.problem(parts)
         values = dict(zip(problem.keys, problem.start(problem.keys).tolist(), strict=True))
         noise = problem.noise(problem.rows.at(problem.start(problem.keys)))
-        view = View.at(problem, values, (), noise, known=True)
+        view = Linearization.at(problem, values, (), noise, known=True)
         _, cosine, apart = distances(view)
         lost = int((~problem.state((), values).stable).sum())
         return Plan(
@@ -175,21 +174,21 @@ def _blank_filled(data: Measurements, pose: NDArray[np.float64]) -> Measurements
     return replace(data, **columns)
 
 
-def _in_words(view: View) -> str:
+def _in_words(view: Linearization) -> str:
     x, z, theta = (_median(column[np.isfinite(column)]) for column in view.weights.sigma[view.rows].T)
     force = float(np.median(view.noise.force))
     return (f"noise {1e3 * x:.3g} mm, {1e3 * z:.3g} mm, {1e3 * theta:.3g} mrad, forces {force:.3g} N, a drift of "
             f"{DRIFT:g} of it from first to last row, and a build within its tolerances")  # fmt: skip
 
 
-def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagnosis:
+def _answer(study: Study, problem: Problem, found: Selection, begin: float) -> Diagnosis:
     baseline, view, best = found.baseline, found.view, found.best
     before, after = found.null.state(problem), best.state(problem)
     around = problem.state(problem.keys_of(view.model), view.values)
     weights = problem.weights(view.noise, around)
     without = _without_each(found)
     lacking = {problem.candidates[i].name: fit.state(problem) for i, fit in without.items() if fit.model}
-    opened = Opened.of(problem, before, after, weights, found.scale, lacking)
+    opened = Residuals.of(problem, before, after, weights, found.scale, lacking)
     shown_gap, far = gap(problem, opened, problem.locked, "rows set aside", study.seed)
     effects, missing = claims(found, without), missing_columns(problem)
     seen = sights(baseline, study.alpha, study.seed)
@@ -223,11 +222,11 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
         warnings=(
             *not_carried(tests, [claim.name for claim in effects]),
             *found.doubts,
-            *(louder_than_declared(view) if found.effects else ()),
+            *(excess_noise(view) if found.effects else ()),
             *nearest(found),
-            *size_doubts(effects, problem.mechanism),
-            *together_doubts(best, problem.candidates),
-            *stiffness_doubts(calibrated_now, problem.mechanism, {find(name).name for name in study.priors}),
+            *size_caveats(effects, problem.mechanism),
+            *correlation_caveats(best, problem.candidates),
+            *stiffness_caveats(calibrated_now, problem.mechanism, {find(name).name for name in study.priors}),
         ),
         alarms=alarms(found),
         rows=_rows(problem, opened, before, view, far),
@@ -235,7 +234,7 @@ def _answer(study: Study, problem: Problem, found: Found, begin: float) -> Diagn
     )
 
 
-def _without_each(found: Found) -> dict[int, Fit]:
+def _without_each(found: Selection) -> dict[int, Fit]:
     """Return, by the place of each effect found, the fit of all but it; the most needed one comes first."""
     best = found.best
     rest = {i: tuple(other for other in best.model if other != i) for i in best.model}
@@ -247,13 +246,13 @@ def _by_name(values: Mapping[str, float]) -> dict[str, float]:
     return {find(key).name: value for key, value in values.items()}
 
 
-def _transfer(study: Study, found: Found, noise: Noise) -> tuple[Transfer, ...]:
+def _transfer(study: Study, found: Selection, noise: Noise) -> tuple[Transfer, ...]:
     """Return the gap on every experiment that was never fitted."""
     parts = (transfer(study.problem([part]), found, noise, study.seed) for part in study._parts(study.test))
     return tuple(entry for entry in parts if entry)
 
 
-def _noise(view: View) -> Noise:
+def _noise(view: Linearization) -> Noise:
     sigma = np.array([_median(view.weights.sigma[view.rows][view.used[:, i], i]) for i in range(3)])
     origin = {
         name: " and ".join(sorted(set(view.noise.origin[view.rows][view.used[:, i], i].tolist())))
@@ -270,7 +269,7 @@ def _median(values: NDArray[np.float64]) -> float:
     return float(np.median(values)) if values.size else np.nan
 
 
-def _rows(problem: Problem, opened: Opened, state: State, view: View, far: NDArray[np.int64]) -> Rows:
+def _rows(problem: Problem, opened: Residuals, state: State, view: Linearization, far: NDArray[np.int64]) -> Rows:
     outlier = np.zeros(problem.rows.n, dtype=bool)
     outlier[[*view.outliers, *far]] = True
     used = np.zeros((problem.rows.n, 3), dtype=bool)

@@ -23,7 +23,7 @@ from ..models.finite_element import FiniteElementModel
 from ..models.paths.condensed import ORDERS
 from ..models.polynomial.model import ForwardPolynomial, PolynomialModel
 from ..models.polynomial.training import tip_wrenches
-from .sweeps.buffers import Room
+from .sweeps.buffers import ScratchBuffers
 from .sweeps.spec_file import read_spec
 from .sweeps.statistics import pilot, tally_of
 
@@ -112,7 +112,7 @@ def _for_mesh(what: str, model: FiniteElementModel) -> Iterator[Touch]:
 
 def _statistics() -> object:
     plan = read_spec({"sweep": {"cases": 64}, "inputs": {"lam_l": [0.0, 160.0]}})
-    return tally_of(plan, 0, pilot(plan), Room())
+    return tally_of(plan, 0, pilot(plan), ScratchBuffers())
 
 
 def _for_degree(degree: int) -> Iterator[Touch]:

@@ -333,7 +333,7 @@ def test_reproduce_gives_one_object_and_reports_progress_on_stderr(run: Run, mon
     assert Path(ended.json["report"]).exists()
     assert ended.err.splitlines()[0] == f"ecm-fast: {quick['steel_cantilever'][0]}"
     assert ended.err.splitlines()[-1] == "ecm-fast: wrote out"
-    text = run("reproduce", "--out", "elsewhere").out
+    text = run("reproduce", "--out", "informative_loads").out
     assert ended.json["claims"][0]["what"] in text
     assert ended.json["claims"][0]["verdict"] in text
 

@@ -6,12 +6,11 @@ from scipy import integrate, stats
 
 from ecm_fast.data.measurements import Measurements
 from ecm_fast.diagnosis.problem.holdout import lock
-from ecm_fast.diagnosis.proof.region import scan
-from ecm_fast.diagnosis.statistics.evidence import Gram
-from ecm_fast.diagnosis.statistics.lack_of_fit import effects_gate, null_quantile, smooth_gate
-from ecm_fast.diagnosis.statistics.priors import Priors
-from ecm_fast.diagnosis.statistics.robust_noise import Chain, Cleaned, clean, orthonormal, removal
-from ecm_fast.diagnosis.statistics.size_prior import size_factor
+from ecm_fast.diagnosis.proof.localization import scan
+from ecm_fast.diagnosis.statistics.evidence import EvidenceMatrix
+from ecm_fast.diagnosis.statistics.lack_of_fit import null_quantile, score_test, trend_test
+from ecm_fast.diagnosis.statistics.priors import Priors, size_factor
+from ecm_fast.diagnosis.statistics.robust_noise import NoiseFit, RowOrder, clean, orthonormal, removal
 
 ALL = np.zeros(3, dtype=bool)
 
@@ -49,7 +48,7 @@ def density(size, one_sided):
 @pytest.mark.parametrize("i", range(6))
 def test_evidence_of_an_effect_is_the_integral_over_its_sizes(system, i):
     residual, nuisances, signatures = system
-    singles, _ = Gram.of(residual, nuisances, signatures, ONE_SIDED, np.zeros(6)).singles()
+    singles, _ = EvidenceMatrix.of(residual, nuisances, signatures, ONE_SIDED, np.zeros(6)).singles()
     of = likelihood(residual, nuisances, signatures[:, [i]])
     whole = integrate.quad(
         lambda c: density(c, ONE_SIDED[i]) * of(c), -6.0, 6.0, points=[0.0, 1.0, 2.0], limit=200, epsabs=0.0
@@ -60,7 +59,7 @@ def test_evidence_of_an_effect_is_the_integral_over_its_sizes(system, i):
 def test_evidence_of_pairs_is_the_integral_over_both_sizes(system):
     """But for what the two sizes have to do with each other, which matters where the data do not ask for a pair."""
     residual, nuisances, signatures = system
-    pairs = Gram.of(residual, nuisances, signatures, ONE_SIDED, np.zeros(6)).pairs()
+    pairs = EvidenceMatrix.of(residual, nuisances, signatures, ONE_SIDED, np.zeros(6)).pairs()
     assert len(pairs.evidence) == 15
     grid = np.linspace(-4.0, 5.0, 901)
     prior = np.array([[density(c, one_sided) for c in grid] for one_sided in (False, True)])
@@ -79,7 +78,9 @@ def test_evidence_of_pairs_is_the_integral_over_both_sizes(system):
 
 def test_an_effect_made_free_leaves_what_least_squares_leaves(system):
     residual, nuisances, signatures = system
-    gram = Gram.of(residual, nuisances, signatures, np.zeros(6, dtype=bool), np.zeros(6)).without(np.array([1, 4]))
+    gram = EvidenceMatrix.of(residual, nuisances, signatures, np.zeros(6, dtype=bool), np.zeros(6)).without(
+        np.array([1, 4])
+    )
     both = np.hstack([nuisances, signatures[:, [1, 4]]])
     left = residual - both @ np.linalg.lstsq(both, residual, rcond=None)[0]
     assert gram.left == pytest.approx(left @ left, rel=1e-9)
@@ -114,7 +115,7 @@ def test_the_largest_score_exceeds_its_quantile_as_often_as_was_asked_for():
     quantile, alarms = None, 0
     for _ in range(n):
         noise = rng.standard_normal(60)
-        gram = Gram.of(noise, nuisances, signatures, one_sided, np.zeros(30))
+        gram = EvidenceMatrix.of(noise, nuisances, signatures, one_sided, np.zeros(30))
         quantile = null_quantile(gram, np.inf, alpha, 0) if quantile is None else quantile
         scores = gram.scores()
         alarms += np.where(one_sided, scores, np.abs(scores)).max() > quantile
@@ -124,12 +125,12 @@ def test_the_largest_score_exceeds_its_quantile_as_often_as_was_asked_for():
 def test_the_gates_say_how_rare_their_statistic_is():
     rng = np.random.default_rng(3)
     signature = rng.standard_normal((50, 1))
-    gram = Gram.of(rng.standard_normal(50), np.ones((50, 1)), 9.0 * signature, np.array([False]), np.zeros(1))
-    gate = effects_gate(gram, 20.0, 0, 0.01, 0)
+    gram = EvidenceMatrix.of(rng.standard_normal(50), np.ones((50, 1)), 9.0 * signature, np.array([False]), np.zeros(1))
+    gate = score_test(gram, 20.0, 0, 0.01, 0)
     exact = 2.0 * stats.t.sf(gate.statistic, 20.0)
     assert gate.p == pytest.approx(exact, abs=4.0 * np.sqrt(exact / 10_000) + 1e-3)
     nuisances, smooth, residual = rng.standard_normal((50, 3)), rng.standard_normal((50, 5)), rng.standard_normal(50)
-    found = smooth_gate(residual, nuisances, [smooth], [37.0], 0, 0.01)
+    found = trend_test(residual, nuisances, [smooth], [37.0], 0, 0.01)
     left = [
         np.sum((residual - m @ np.linalg.lstsq(m, residual, rcond=None)[0]) ** 2)
         for m in (nuisances, np.hstack([nuisances, smooth]))
@@ -140,12 +141,12 @@ def test_the_gates_say_how_rare_their_statistic_is():
 
 def test_a_memory_half_known_costs_only_what_changes_slowly():
     """Exact: a constant and the last of all waves, up and down from row to row, have slowness 1 and -1."""
-    chain = Chain.of(np.zeros(40, dtype=int), np.arange(40))
+    chain = RowOrder.of(np.zeros(40, dtype=int), np.arange(40))
     constant, up_and_down = (np.repeat(column, 3)[:, None] for column in (np.ones(40), (-1.0) ** np.arange(40)))
     assert chain.slowness(constant) == pytest.approx(39 / 40)
     assert chain.slowness(up_and_down) == pytest.approx(-39 / 40)
     assert chain.slowness(np.hstack([constant, up_and_down])) == pytest.approx(0.0, abs=1e-12)
-    cleaned = Cleaned(np.zeros((40, 3)), np.ones(3), 0.3, 0.1, 0.0, 100.0, np.zeros(40, dtype=bool))
+    cleaned = NoiseFit(np.zeros((40, 3)), np.ones(3), 0.3, 0.1, 0.0, 100.0, np.zeros(40, dtype=bool))
     assert cleaned.trusted_dof(0.0) == pytest.approx(100.0)
     slow = 2.0 * (0.1 / 0.91) ** 2 * 0.09 / (0.09 + 0.01)
     assert cleaned.trusted_dof() == pytest.approx(1.0 / (0.01 + slow))
@@ -153,7 +154,7 @@ def test_a_memory_half_known_costs_only_what_changes_slowly():
 
 def test_innovations_of_fading_noise_with_missing_rows_are_independent():
     rows = np.array([0, 1, 2, 5, 6, 9, 10, 11])
-    chain = Chain.of(np.array([0] * 7 + [1] * 5), rows)
+    chain = RowOrder.of(np.array([0] * 7 + [1] * 5), rows)
     covariance = 0.6 ** np.abs(rows[:, None] - rows)
     covariance[:5, 5:] = covariance[5:, :5] = 0.0
     turned = chain.innovations(chain.innovations(covariance, 0.6).T.copy(), 0.6)
@@ -171,7 +172,7 @@ def noise_of(rng, n, memory=0.0):
 def test_scale_and_memory_of_the_noise_are_found_beside_many_free_columns(memory):
     rng = np.random.default_rng(4)
     n, sets = 80, 60
-    chain, found = Chain.of(np.zeros(n, dtype=np.int64), np.arange(n)), []
+    chain, found = RowOrder.of(np.zeros(n, dtype=np.int64), np.arange(n)), []
     for _ in range(sets):
         basis = rng.standard_normal((n, 3, 40))
         noise = noise_of(rng, n, memory) + basis @ rng.standard_normal(40)
@@ -190,7 +191,9 @@ def test_an_outlier_is_found_also_where_it_draws_the_fit_to_itself():
     basis[7] *= 5.0  # 90 % of what is measured there is fitted there
     noise = noise_of(rng, n)
     noise[7] += 30.0
-    found = clean(noise, np.ones((n, 3), dtype=bool), basis, Chain.of(np.zeros(n, dtype=np.int64), np.arange(n)), ALL)
+    found = clean(
+        noise, np.ones((n, 3), dtype=bool), basis, RowOrder.of(np.zeros(n, dtype=np.int64), np.arange(n)), ALL
+    )
     assert np.flatnonzero(found.outlier).tolist() == [7]
     assert np.all(found.residual[7] == 0.0)
 
@@ -215,7 +218,7 @@ def test_what_a_row_s_removal_takes_off_is_what_a_fit_without_it_takes_off():
 def test_heavy_tails_are_seen_and_cost_less_than_their_variance():
     rng = np.random.default_rng(7)
     n = 400
-    basis, chain = rng.standard_normal((n, 3, 10)), Chain.of(np.zeros(n, dtype=np.int64), np.arange(n))
+    basis, chain = rng.standard_normal((n, 3, 10)), RowOrder.of(np.zeros(n, dtype=np.int64), np.arange(n))
     noise = rng.standard_t(3.0, (n, 3)) / np.sqrt(3.0)
     found = clean(noise, np.ones((n, 3), dtype=bool), basis, chain, ALL)
     assert found.tail >= 0.2

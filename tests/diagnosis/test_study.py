@@ -10,10 +10,10 @@ from bench.separation import beside, standing
 from ecm_fast import Mechanism, diagnose, identify, plan, predict, read_measurements
 from ecm_fast.cli import main
 from ecm_fast.diagnosis import Study
-from ecm_fast.diagnosis.design.elsewhere import MATERIAL_TESTS
+from ecm_fast.diagnosis.design.detectability import MATERIAL_TESTS
 from ecm_fast.diagnosis.design.load_pool import Pool
 from ecm_fast.diagnosis.problem.holdout import lock
-from ecm_fast.diagnosis.problem.linearization import View
+from ecm_fast.diagnosis.problem.linearization import Linearization
 from ecm_fast.diagnosis.search.calibration import calibrate
 from ecm_fast.errors import InputError
 from ecm_fast.mechanism.catalogue import CATALOGUE
@@ -163,7 +163,7 @@ def test_instruments_that_drift_by_less_than_their_noise_show_no_effect(clean):
         problem = Study(NECK, told).problem()
         problem.drift = share
         values, noise = calibrate(problem)
-        largest.append(View.at(problem, values, (), noise, known=True).gates(0.01, 0)[0].statistic)
+        largest.append(Linearization.at(problem, values, (), noise, known=True).gates(0.01, 0)[0].statistic)
     assert largest[0] < np.sqrt(3.0) < largest[1]
 
 
@@ -177,7 +177,7 @@ def test_a_build_within_its_tolerances_shows_no_effect():
         problem = Study(NECK, told, priors=known).problem()
         problem.tolerances = problem.tolerances if tolerances is None else tolerances
         values, noise = calibrate(problem)
-        largest.append(View.at(problem, values, (), noise, known=True).gates(0.01, 0)[0].statistic)
+        largest.append(Linearization.at(problem, values, (), noise, known=True).gates(0.01, 0)[0].statistic)
     assert largest[0] < np.sqrt(2.0) < largest[1]
 
 

@@ -3,10 +3,9 @@
 import math
 from dataclasses import replace
 
-from ecm_fast.diagnosis.answer.claim_words import alike, dimensions, meaning, next_best, size
-from ecm_fast.diagnosis.answer.sentences import sentence
+from ecm_fast.diagnosis.answer.sentences import alike, dimensions, meaning, next_best, sentence, size
 from ecm_fast.diagnosis.results.external_validation import Transfer
-from ecm_fast.diagnosis.results.findings import Claim, Gap, Model, Rms
+from ecm_fast.diagnosis.results.findings import Claim, HoldoutMisfit, Model, Rms
 
 NAME = "clamp_rotation_compliance"
 CLAIM = Claim(NAME, {NAME: 0.00152}, {NAME: (0.00143, 0.00161)}, (), "even", "compliance ratio", 28.3, 1.0)
@@ -23,7 +22,7 @@ def shown(after, before=18.0, adapted=5.0):
 
 
 def said(*tests, verdict="named", only=None):
-    gap = Gap(20, "rows set aside", Rms(1e-4, 1e-4, 1e-3, 9.0), Rms(1e-4, 1e-4, 1e-3, 2.0), EXACT, EXACT, 1.0)
+    gap = HoldoutMisfit(20, "rows set aside", Rms(1e-4, 1e-4, 1e-3, 9.0), Rms(1e-4, 1e-4, 1e-3, 2.0), EXACT, EXACT, 1.0)
     return sentence(verdict, (CLAIM,), gap, (), (), None, tests, only)
 
 
@@ -97,7 +96,7 @@ def test_test_files_that_refute_look_alikes_say_which_are_left() -> None:
     claim = replace(CLAIM, look_alikes=("lever_arm", "soft_spot"))
 
     def end(*rivals):
-        gap = Gap(20, "rows set aside", EXACT, EXACT, EXACT, EXACT, 1.0)
+        gap = HoldoutMisfit(20, "rows set aside", EXACT, EXACT, EXACT, EXACT, 1.0)
         test = replace(shown(1.0), rivals=rivals)
         return sentence("family", (claim,), gap, (), (), None, (test,)).rpartition("Of the look-alikes")[2]
 

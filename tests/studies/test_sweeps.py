@@ -40,7 +40,7 @@ def changed(spec: dict[str, Any], **settings: Any) -> dict[str, Any]:
     return {**spec, "sweep": {**spec["sweep"], **settings}}
 
 
-def elsewhere(spec: Any, folder: Path) -> Path:
+def informative_loads(spec: Any, folder: Path) -> Path:
     """Sweep in a new process, which finds its kernels compiled.
 
     What a process has just compiled may differ from what the next one loads in the last digit: the linker may take
@@ -273,8 +273,8 @@ def test_a_file_that_was_cut_off_is_written_again(tmp_path: Path) -> None:
 def test_a_killed_process_leaves_what_the_next_one_needs(tmp_path: Path) -> None:
     spec = tmp_path / "spec.toml"
     spec.write_text("[sweep]\ncases = 200000\nchunk = 4096\n[inputs]\nlam_l = [0, 160]\nfx = [-30, 0]\n")
-    elsewhere(spec, tmp_path / "compiled")
-    whole = contents(elsewhere(spec, tmp_path / "whole"))
+    informative_loads(spec, tmp_path / "compiled")
+    whole = contents(informative_loads(spec, tmp_path / "whole"))
     words = [sys.executable, "-m", "ecm_fast", "sweep", str(spec), "--threads", "1", "--out"]
     process = subprocess.Popen([*words, str(tmp_path / "parts")], stderr=subprocess.PIPE, stdout=subprocess.PIPE)
     while not list((tmp_path / "parts").glob("rows-000000[5-9].parquet")) and process.poll() is None:
@@ -285,7 +285,7 @@ def test_a_killed_process_leaves_what_the_next_one_needs(tmp_path: Path) -> None
     assert not (tmp_path / "parts" / "summary.json").exists()
     there = len(list((tmp_path / "parts").glob("rows-*.parquet")))
     assert 0 < there < 49
-    assert contents(elsewhere(spec, tmp_path / "parts")) == whole
+    assert contents(informative_loads(spec, tmp_path / "parts")) == whole
 
 
 HOLD = """
@@ -400,8 +400,8 @@ def test_a_pool_that_only_breaks_and_a_unit_that_only_fails_end_the_run() -> Non
 
 
 def test_processes_write_the_same_bytes(tmp_path: Path) -> None:
-    elsewhere(SMALL, tmp_path / "compiled")
-    whole = contents(elsewhere(SMALL, tmp_path / "whole"))
+    informative_loads(SMALL, tmp_path / "compiled")
+    whole = contents(informative_loads(SMALL, tmp_path / "whole"))
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         assert contents(sweep(SMALL, tmp_path / "own", executor=pool).folder) == whole
 
@@ -409,8 +409,8 @@ def test_processes_write_the_same_bytes(tmp_path: Path) -> None:
 def test_a_cluster_writes_the_same_bytes_though_a_worker_is_killed(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed", reason="no cluster here: distributed is not installed")
     spec = changed(SMALL, cases=30000)
-    elsewhere(SMALL, tmp_path / "compiled")
-    whole = contents(elsewhere(spec, tmp_path / "whole"))
+    informative_loads(SMALL, tmp_path / "compiled")
+    whole = contents(informative_loads(spec, tmp_path / "whole"))
     options = {"n_workers": 2, "threads_per_worker": 1, "host": "127.0.0.1", "dashboard_address": None}
     with distributed.LocalCluster(processes=True, **options) as machines, distributed.Client(machines) as client:
         pids = list(client.run(os.getpid).values())

@@ -8,11 +8,14 @@ from ...identification.result import Estimate
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find
-from ..problem.candidates import Candidate
+from ...mechanism.quantity import Quantity
+from ..problem.candidates import EffectCandidate
+from ..problem.stiffness_scale import STIFFNESSES
 from ..results.findings import Claim
 from ..search.fit import Fit
+from ..search.selection import Selection
 
-__all__ = ["size_doubts", "stiffness_doubts", "together_doubts"]
+__all__ = ["alarms", "correlation_caveats", "size_caveats", "stiffness_caveats"]
 
 _LOOSE = 0.15
 """Standard deviation, in shares of the value, beyond which a stiffness is hardly fixed."""
@@ -24,7 +27,7 @@ _TOGETHER = 0.95
 """Correlation from which on data see a combination of two parameters of an effect rather than each."""
 
 
-def size_doubts(claims: Iterable[Claim], mechanism: Mechanism) -> tuple[str, ...]:
+def size_caveats(claims: Iterable[Claim], mechanism: Mechanism) -> tuple[str, ...]:
     """Return a line for every effect that is found far larger than it usually is."""
     lines = list[str]()
     for claim in claims:
@@ -36,7 +39,7 @@ def size_doubts(claims: Iterable[Claim], mechanism: Mechanism) -> tuple[str, ...
     return tuple(lines)
 
 
-def together_doubts(fit: Fit, candidates: Sequence[Candidate]) -> tuple[str, ...]:
+def correlation_caveats(fit: Fit, candidates: Sequence[EffectCandidate]) -> tuple[str, ...]:
     """Return a line for every effect whose size and further parameter the data do not see apart."""
     lines, std = list[str](), np.sqrt(np.diag(fit.covariance))
     for i in fit.model:
@@ -51,7 +54,7 @@ def together_doubts(fit: Fit, candidates: Sequence[Candidate]) -> tuple[str, ...
     return tuple(lines)
 
 
-def stiffness_doubts(
+def stiffness_caveats(
     calibration: Mapping[str, Estimate], mechanism: Mechanism, tested: Container[str] = ()
 ) -> tuple[str, ...]:
     """Return a line for every stiffness of the mechanism that a calibration leaves in doubt.
@@ -74,3 +77,49 @@ def _doubts(calibration: Mapping[str, Estimate], mechanism: Mechanism, tested: C
             yield (f"calibration moves {name} to {found.rounded}, {abs(off) / found.std:.0f} standard deviations "
                    f"({off / given:+.0%}) from the {own} of the mechanism file: check that number, or what takes its "
                    f"place")  # fmt: skip
+
+
+_FAR = 3.0
+_SHARE = (0.2, 0.45)
+"""Where the shear over the axial stiffness of an incompressible solid section lies, (5/6 or 1)/3 with some room."""
+
+
+def alarms(found: Selection) -> tuple[str, ...]:
+    """Return one line for every parameter that leaves its range in the calibration without effects."""
+    return (*_priors(found), *_range(found))
+
+
+def _priors(found: Selection) -> Iterator[str]:
+    fit, problem = found.null, found.view.problem
+    information = np.linalg.pinv(fit.covariance, hermitian=True)
+    for i in problem.prior.known[~problem.prior.rough[problem.prior.known]]:
+        center, std = problem.prior.center[i], problem.prior.std[i]
+        free = information.copy()
+        free[i, i] -= std**-2
+        with np.errstate(all="ignore"):
+            own = np.linalg.pinv(free, hermitian=True)
+            offset = (fit.values[i] - center) * (1.0 + own[i, i] / std**2)
+            off = offset / np.sqrt(own[i, i] + std**2)
+        if abs(off) > _FAR:
+            yield _away(find(problem.keys[i]), center, std, center + offset, float(np.sqrt(own[i, i])), abs(off))
+
+
+def _away(entry: Quantity, center: float, std: float, wanted: float, doubt: float, off: float) -> str:
+    prior, own = (Estimate(value, sd, value, value, entry.unit) for value, sd in ((center, std), (wanted, doubt)))
+    known = f"{off:.1f} standard deviations, of fit and test together, from {prior.rounded}"
+    least = max(entry.lower, 0.0)
+    if wanted <= least and entry.key in STIFFNESSES:
+        return f"without any effect no physical {entry.name} fits the data: they want it to be none, {known}"
+    return f"without any effect the data want {entry.name} = {own.rounded}, {known}"
+
+
+def _range(found: Selection) -> Iterator[str]:
+    fit = found.best
+    place = {key: i for i, key in enumerate(fit.keys)}
+    ea, ga = place[STIFFNESSES[0]], place[STIFFNESSES[1]]
+    share = fit.values[ga] / fit.values[ea]
+    relative = np.sqrt(fit.covariance[ea, ea]) / fit.values[ea] + np.sqrt(fit.covariance[ga, ga]) / fit.values[ga]
+    low, high = _SHARE
+    if not low - _FAR * share * relative <= share <= high + _FAR * share * relative:
+        yield (f"GA/EA = {share:.3g} is outside of {low:g} to {high:g}, where a solid section of rubber lies: the "
+               f"calibration makes up for something that is missing")  # fmt: skip

@@ -9,26 +9,26 @@ from ...identification.result import Estimate
 from ...mechanism.parameters import find
 from ..results.diagnosis import Claim, Model
 from ..search.fit import Fit
-from ..search.selection import Found
+from ..search.selection import Selection
 
 __all__ = ["claims", "estimates"]
 
 LEVEL = 0.90
 
 
-def estimates(fit: Fit, found: Found) -> Mapping[str, Estimate]:
+def estimates(fit: Fit, found: Selection) -> Mapping[str, Estimate]:
     """Return what calibration moved, by short name, with intervals."""
     count = len(found.view.problem.keys)
     return {find(key).name: _estimate(fit, i, found) for i, key in enumerate(fit.keys[:count])}
 
 
-def _estimate(fit: Fit, i: int, found: Found) -> Estimate:
+def _estimate(fit: Fit, i: int, found: Selection) -> Estimate:
     entry, value, std = find(fit.keys[i]), float(fit.values[i]), float(np.sqrt(fit.covariance[i, i]))
     reach = _quantile(LEVEL, found.view.cleaned.dof) * std
     return Estimate(value, std, max(value - reach, entry.lower), min(value + reach, entry.upper), entry.unit)
 
 
-def claims(found: Found, without: Mapping[int, Fit]) -> tuple[Claim, ...]:
+def claims(found: Selection, without: Mapping[int, Fit]) -> tuple[Claim, ...]:
     """Return one claim for every effect of the best explanation, in the order of the fits without it, by its place."""
     if not found.effects:
         return ()
@@ -57,7 +57,7 @@ def claims(found: Found, without: Mapping[int, Fit]) -> tuple[Claim, ...]:
 
 
 def _look_alikes(
-    models: list[Model], names: tuple[str, ...], place: int, found: Found
+    models: list[Model], names: tuple[str, ...], place: int, found: Selection
 ) -> tuple[tuple[str, ...], float]:
     """Return the names that stand in for one of the best explanation, and that one's own chance."""
     weights = np.exp(-0.5 * np.array([model.behind for model in models]))
@@ -73,7 +73,7 @@ def _look_alikes(
     return unique, own / float(weights.sum())
 
 
-def _nearest(new: list[str], names: tuple[str, ...], place: int, found: Found) -> str:
+def _nearest(new: list[str], names: tuple[str, ...], place: int, found: Selection) -> str:
     """Return which of two new names stands in for the one at `place`."""
     place_of = {candidate.name: i for i, candidate in enumerate(found.view.problem.candidates)}
     cosine = np.abs(found.baseline.gram.cosine)

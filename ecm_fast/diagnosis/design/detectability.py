@@ -1,16 +1,22 @@
 """What loads can show of the catalogue: sizes that would be found, and names that would not be told apart."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ...mechanism.parameters import find
 from ..problem.candidates import lacking
-from ..problem.linearization import View
-from ..results.diagnosis import Sight
+from ..problem.linearization import Linearization
+from ..problem.problem import Problem
+from ..problem.stiffness_scale import STIFFNESSES
+from ..results.diagnosis import Detectability
 from ..statistics.lack_of_fit import NAMED, null_quantile
-from ..statistics.size_prior import SIZE_SPREAD
-from .elsewhere import elsewhere
+from ..statistics.priors import SIZE_SPREAD
+from .load_pool import Pool
 
-__all__ = ["distances", "sights"]
+__all__ = ["GROUPS", "MATERIAL_TESTS", "distances", "informative_loads", "sights"]
 
 Array = NDArray[np.float64]
 
@@ -24,7 +30,7 @@ _ABSORBED = 0.5
 _RIVALS = 5
 
 
-def distances(view: View) -> tuple[Array, Array, Array]:
+def distances(view: Linearization) -> tuple[Array, Array, Array]:
     """Return sigmas of typical sizes (k,), cosines (k, k), and sigmas from a typical size to any of another (k, k).
 
     A rival that would have to be implausibly large is infinitely far away.
@@ -41,7 +47,7 @@ def distances(view: View) -> tuple[Array, Array, Array]:
     return sigmas, cosine, np.asarray(apart)
 
 
-def sights(view: View, alpha: float, seed: int) -> tuple[Sight, ...]:
+def sights(view: Linearization, alpha: float, seed: int) -> tuple[Detectability, ...]:
     """Return what the rows of a view can show of every candidate."""
     gram, candidates = view.gram, view.problem.candidates
     if not candidates:
@@ -50,7 +56,7 @@ def sights(view: View, alpha: float, seed: int) -> tuple[Sight, ...]:
     needed = null_quantile(gram, view.cleaned.trusted_dof(), NAMED * alpha, seed) + _FOUND
     seen = needed <= _SEEN * sigmas
     rival = np.where(seen[None, :], apart, np.inf)
-    what, then = elsewhere(view)
+    what, then = informative_loads(view)
     answer = []
     for i, candidate in enumerate(candidates):
         smallest = needed / sigmas[i] * candidate.typical if sigmas[i] > 0.0 else np.inf
@@ -65,5 +71,82 @@ def sights(view: View, alpha: float, seed: int) -> tuple[Sight, ...]:
         size = (entry.unit, entry.typical, float(sigmas[i]), float(smallest))
         shows = needed <= _SEEN * then[i] / SIZE_SPREAD and not seen[i]
         shown_by = (what[i], float(then[i] / SIZE_SPREAD)) if shows else ("", 0.0)
-        answer.append(Sight(candidate.name, *size, kept, rivals, visible, needs, *shown_by))
+        answer.append(Detectability(candidate.name, *size, kept, rivals, visible, needs, *shown_by))
     return tuple(answer)
+
+
+GROUPS = {
+    "more tendon loads": ("nothing",),
+    "a wrench at the head, tendons off": ("wrench",),
+    "2 kg more on the head": ("mass",),
+    "the test bed tilted to both sides": ("tilt", "tilt-back"),
+}
+"""What one can do next, by the add-ons of `pool.ADD_ONS`: the loads of one kind are measured once each."""
+
+MATERIAL_TESTS = "tests of the material, given as --prior for EA, GA and EI"
+"""The same without a load: the scatter of such tests is taken to be what is typical of a stiffness."""
+
+
+def informative_loads(view: Linearization) -> tuple[tuple[str, ...], Array]:
+    """Return what would show most of each candidate, (k,), and the sigmas that a prior deviation of it then has, (k,).
+
+    The loads at hand count along; nuisances, calibration above all, are fitted to both.
+    """
+    problem, pool = view.problem, Pool.of()
+    there = _problem(view, pool)
+    sizes = [candidate.keys[0] for candidate in problem.candidates]
+    solver = there.solver(list(dict.fromkeys([*sizes, *problem.tolerances])))
+    at = [view.values.get(key, float(own)) for key, own in
+          zip(solver.names, there.start(solver.names), strict=True)]  # fmt: skip
+    state = solver.at(np.array(at))
+    weights = there.weights(there.noise(state), state, solver.names)
+    by = np.where(state.stable[:, None, None], np.nan_to_num(weights.whitening @ state.by), 0.0)
+    calibrated, free, readings = len(problem.keys), view.free.shape[1], 3 * len(view.rows)
+    spread = np.array([candidate.spread[0] for candidate in problem.candidates])
+    columns = np.zeros((*by.shape[:2], free + len(spread)))
+    columns[:, :, :calibrated] = by[:, :, :calibrated]
+    hidden = calibrated + view.weights.shift.shape[2]
+    columns[:, :, hidden:free] = np.nan_to_num(weights.build)
+    place = {key: i for i, key in enumerate(solver.names)}
+    columns[:, :, free:] = by[:, :, [place[candidate.keys[0]] for candidate in problem.candidates]] * spread
+    priors = np.zeros((len(view.free) - readings, len(spread)))
+    here = np.hstack([view.free, np.vstack([view.flat(view.sizes), priors])])
+    ways = {name: columns[np.isin(pool.add_on, own)] for name, own in GROUPS.items()}
+    if (tests := _material_tests(problem)).size:
+        ways[MATERIAL_TESTS] = np.pad(tests, ((0, 0), (0, columns.shape[2] - calibrated)))
+    found = np.array([_sigmas(here, more, free) for more in ways.values()])
+    best = np.argmax(found, axis=0)
+    return tuple(np.array(list(ways))[best].tolist()), found.max(axis=0)
+
+
+def _material_tests(problem: Problem) -> Array:
+    """Return rows (q, p) of tests of every stiffness, where the problem does not know them yet."""
+    rows = np.zeros((len(STIFFNESSES), len(problem.keys)))
+    for row, key in zip(rows, STIFFNESSES, strict=True):
+        place, entry = problem.keys.index(key), find(key)
+        scatter = entry.typical / entry.default * problem.start([key])[0]
+        row[place] = problem.prior.rough[place] / scatter
+    return rows[rows.any(axis=1)]
+
+
+def _problem(view: Linearization, pool: Pool) -> Problem:
+    """Return the loads of a pool as measurements with the noise of a view."""
+    problem, loads = view.problem, pool.data
+    read, columns = view.weights.sigma[view.rows], dict[str, Any]()
+    for i, name in enumerate(("x", "z", "theta")):
+        seen = view.used[:, i]
+        columns[name] = np.full(loads.n, 0.0 if seen.any() else np.nan)
+        sigma = view.cleaned.scale[i] * np.median(read[seen, i]) if seen.any() else np.nan
+        columns[f"sigma_{name}"] = np.full(loads.n, sigma)
+    told = replace(loads, **columns)
+    return Problem(problem.mechanism, [told], problem.candidates, dict.fromkeys(problem.keys, np.inf), {},
+                   force_sigma=float(np.median(view.noise.force)), seed=0)  # fmt: skip
+
+
+def _sigmas(here: Array, more: Array, free: int) -> Array:
+    """Return the norms of what the first `free` columns leave of the others, (k,)."""
+    columns = np.vstack([here, more.reshape(-1, here.shape[1])])
+    size = np.sqrt((columns[:, :free] ** 2).sum(axis=0))
+    q, _ = np.linalg.qr(columns[:, :free][:, size > 0.0] / size[size > 0.0])
+    kept = columns[:, free:] - q @ (q.T @ columns[:, free:])
+    return np.asarray(np.sqrt((kept**2).sum(axis=0)))

@@ -21,7 +21,7 @@ from ..results.next_loads import ENOUGH, NextLoads, Suggestion
 from .load_pool import Pool
 from .rivals import STIFFNESSES, Rival
 
-__all__ = ["Race"]
+__all__ = ["DiscriminationDesign"]
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ _LONGER = (2, 4, 8, 16, 32)
 """Times the time there is that are tried where it will not do."""
 
 
-class Race:
+class DiscriminationDesign:
     """Ordered pairs of rivals, all or those with the first one, and what each load of the pool adds to their distances.
 
     The second one of a pair is refitted in full to what the first one says of all loads that are measured or chosen;

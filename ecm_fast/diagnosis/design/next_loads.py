@@ -12,7 +12,7 @@ import numpy as np
 from ...data.measurements import Measurements
 from ...errors import InputError, shown
 from ..results.next_loads import NextLoads, Suggestion
-from .discrimination import Race
+from .discrimination import DiscriminationDesign
 from .load_pool import Pool
 from .rivals import Rival, fitted_rivals, in_question, rivals_of
 
@@ -59,5 +59,5 @@ def next_loads(
     if noise.shape != (3,) or not (noise > 0.0).all():
         raise InputError(f"sigma = {shown(list(sigma))}: allowed are three positive numbers [m, m, rad]")
     chosen_from = pool or Pool.of()
-    race = Race(rivals, data, chosen_from, (noise, force_sigma), priors or {}, first_alone=first_alone)
+    race = DiscriminationDesign(rivals, data, chosen_from, (noise, force_sigma), priors or {}, first_alone=first_alone)
     return race.run(minutes, repeats)

@@ -12,16 +12,16 @@ from ...mechanism.catalogue import CATALOGUE, Effect
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find, index
 from ...mechanism.vector import pack
-from ..statistics.size_prior import SIZE_SPREAD
+from ..statistics.priors import SIZE_SPREAD
 
-__all__ = ["GROUPS", "Candidate", "chosen", "lacking", "uncertain_parameters"]
+__all__ = ["GROUPS", "EffectCandidate", "chosen", "lacking", "uncertain_parameters"]
 
 GROUPS = {"camera_frame": ("camera_x_offset", "camera_z_offset", "camera_rotation")}
 """Names under which several parameters are declared uncertain together."""
 
 
 @dataclass(frozen=True)
-class Candidate:
+class EffectCandidate:
     """One effect on top of a mechanism.
 
     Attributes
@@ -56,7 +56,7 @@ class Candidate:
         return self.lower[0] >= self.start[0]
 
     @classmethod
-    def of(cls, effect: Effect, mechanism: Mechanism) -> "Candidate":
+    def of(cls, effect: Effect, mechanism: Mechanism) -> "EffectCandidate":
         """Return an effect as a candidate on a mechanism."""
         par, entries = pack(mechanism), tuple(effect)
         return cls(
@@ -69,7 +69,7 @@ class Candidate:
         )
 
 
-def chosen(names: Iterable[str] | None, mechanism: Mechanism) -> list[Candidate]:
+def chosen(names: Iterable[str] | None, mechanism: Mechanism) -> list[EffectCandidate]:
     """Return the candidates called `names`, default the whole catalogue, in its order.
 
     Raises
@@ -82,7 +82,7 @@ def chosen(names: Iterable[str] | None, mechanism: Mechanism) -> list[Candidate]
     for name in wanted:
         if name not in CATALOGUE:
             raise InputError(f"candidate {name!r}: no such effect{did_you_mean(str(name), CATALOGUE)}")
-    return [Candidate.of(CATALOGUE[name], mechanism) for name in CATALOGUE if name in set(wanted)]
+    return [EffectCandidate.of(CATALOGUE[name], mechanism) for name in CATALOGUE if name in set(wanted)]
 
 
 def lacking(effect: Effect, data: Iterable[Measurements]) -> tuple[str, ...]:

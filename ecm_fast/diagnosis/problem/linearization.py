@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 
 from ...errors import NotConverged
 from ...identification.rows import DECLARED, Noise, State
-from ..results.diagnosis import Gate
-from ..statistics.evidence import Gram
-from ..statistics.lack_of_fit import NAMED, SMOOTH, effects_gate, smooth_gate
-from ..statistics.robust_noise import Chain, Cleaned, clean, orthonormal
-from .candidates import Candidate
+from ..results.diagnosis import LackOfFit
+from ..statistics.evidence import EvidenceMatrix
+from ..statistics.lack_of_fit import NAMED, SMOOTH, score_test, trend_test
+from ..statistics.robust_noise import NoiseFit, RowOrder, clean, orthonormal
+from .candidates import EffectCandidate
 from .problem import Problem, Weights
 from .stiffness_scale import STIFFNESSES
 from .trends import smooth_columns
 
-__all__ = ["View"]
+__all__ = ["Linearization"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -30,7 +30,7 @@ _SHARE = 6  # readings for every direction of effects that noise is measured bes
 
 
 @dataclass(frozen=True, eq=False)
-class View:
+class Linearization:
     """The linear model around `values` of calibrated parameters and of the effects in `model`.
 
     Attributes
@@ -44,7 +44,7 @@ class View:
     noise, weights : what is known before the fit, and what follows from it here
     rows : places of the rows that count
     chain : their order
-    cleaned : their residuals, drawn in, outliers left out
+    cleaned : their residuals, winsorized, outliers left out
     smooth : functions (all rows, q) that a disagreement without a name may follow, and of which kind each one is
     """
 
@@ -56,8 +56,8 @@ class View:
     noise: Noise
     weights: Weights
     rows: NDArray[np.int64]
-    chain: Chain
-    cleaned: Cleaned
+    chain: RowOrder
+    cleaned: NoiseFit
     outliers: NDArray[np.int64]
     smooth: tuple[Array, NDArray[np.int64]] = field(repr=False)
 
@@ -70,7 +70,7 @@ class View:
         noise: Noise,
         *,
         known: bool = False,
-    ) -> "View":
+    ) -> "Linearization":
         """Look at the rows that are not locked from `values`; with `known` noise the residuals tell nothing of it."""
         more = [
             key
@@ -79,8 +79,8 @@ class View:
             if i in model or key in values
         ]
         sizes = [candidate.keys[0] for candidate in problem.candidates]
-        drawn = [key for key in problem.tolerances if key not in sizes]
-        solver = problem.solver((*sizes, *more, *drawn), problem.open)
+        toleranced = [key for key in problem.tolerances if key not in sizes]
+        solver = problem.solver((*sizes, *more, *toleranced), problem.open)
         at = problem.start(solver.names)
         at = np.array([values.get(key, float(own)) for key, own in zip(solver.names, at, strict=True)])
         problem.progress.step(problem.open.size, "derivatives by all effects")
@@ -123,7 +123,7 @@ class View:
         return np.asarray(self.whitening @ self.state.by[self.rows])
 
     @property
-    def drawn(self) -> tuple[str, ...]:
+    def toleranced(self) -> tuple[str, ...]:
         """Keys of the dimensions that have a tolerance, in the order of `Weights.build`."""
         return tuple(key for key in self.problem.tolerances if key in self.keys)
 
@@ -170,7 +170,7 @@ class View:
         ]
         return np.asarray(self.by[:, :, [place[key] for key, _ in pairs]] * np.array([std for _, std in pairs]))
 
-    def _of(self, i: int) -> Candidate:
+    def _of(self, i: int) -> EffectCandidate:
         return self.problem.candidates[i]
 
     @cached_property
@@ -188,10 +188,10 @@ class View:
             out[i] = (value - candidate.start[0]) / candidate.spread[0]
         return out
 
-    def _as_declared(self) -> Cleaned:
-        return Cleaned(self.raw, np.ones(3), 0.0, 0.0, 0.0, np.inf, np.zeros(len(self.rows), dtype=bool))
+    def _as_declared(self) -> NoiseFit:
+        return NoiseFit(self.raw, np.ones(3), 0.0, 0.0, 0.0, np.inf, np.zeros(len(self.rows), dtype=bool))
 
-    def _clean(self) -> Cleaned:
+    def _clean(self) -> NoiseFit:
         columns = [self.by[:, :, : len(self.problem.keys)], self.weights.shift[self.rows]]
         readings = int(self.used.sum())
         span = np.concatenate([*columns, self.sizes[:, :, list(self.model)], self.further], axis=2)
@@ -228,13 +228,13 @@ class View:
         return np.vstack([self.flat(columns), rows])
 
     @cached_property
-    def gram(self) -> Gram:
+    def gram(self) -> EvidenceMatrix:
         """All candidates, calibration taken off."""
         signatures = np.vstack([self.flat(self.sizes), np.zeros((len(self.nuisances[1]), self.sizes.shape[2]))])
-        return Gram.of(self.residual, self.free, signatures, self.one_sided, self.center)
+        return EvidenceMatrix.of(self.residual, self.free, signatures, self.one_sided, self.center)
 
     @cached_property
-    def rest(self) -> tuple[Array, Array, Gram]:
+    def rest(self) -> tuple[Array, Array, EvidenceMatrix]:
         """Residual, what is free, and the candidates, once the effects of the model are free too."""
         if not self.model:
             return self.residual, self.free, self.gram
@@ -253,9 +253,9 @@ class View:
         ]
         residual = np.concatenate([self.residual, offsets])
         signatures = np.vstack([self.flat(self.sizes), np.zeros((below + pad, self.sizes.shape[2]))])
-        return residual, free, Gram.of(residual, free, signatures, self.one_sided, 0.0 * self.center)
+        return residual, free, EvidenceMatrix.of(residual, free, signatures, self.one_sided, 0.0 * self.center)
 
-    def gates(self, alpha: float, seed: int) -> tuple[Gate, Gate]:
+    def gates(self, alpha: float, seed: int) -> tuple[LackOfFit, LackOfFit]:
         """Return both tests for more than the model has."""
         residual, free, gram = self.rest
         smooth, kinds = self.smoothed(), np.repeat(self.smooth[1], 3)
@@ -264,8 +264,8 @@ class View:
         dofs = [self.cleaned.trusted_dof(self.chain.slowness(columns)) for columns in by_kind]
         columns, stage = [np.pad(kind, below) for kind in by_kind], len(self.model)
         return (
-            effects_gate(gram, self.cleaned.trusted_dof(), stage, NAMED * alpha, seed),
-            smooth_gate(residual, free, columns, dofs, stage, SMOOTH * alpha),
+            score_test(gram, self.cleaned.trusted_dof(), stage, NAMED * alpha, seed),
+            trend_test(residual, free, columns, dofs, stage, SMOOTH * alpha),
         )
 
     @cached_property
@@ -305,4 +305,4 @@ def _by_channel(columns: Array) -> Array:
     return np.asarray(np.kron(columns, np.eye(3)))
 
 
-_NOTHING = Cleaned(np.zeros((0, 3)), np.ones(3), 0.0, 0.0, 0.0, 1.0, np.zeros(0, dtype=bool))
+_NOTHING = NoiseFit(np.zeros((0, 3)), np.ones(3), 0.0, 0.0, 0.0, 1.0, np.zeros(0, dtype=bool))

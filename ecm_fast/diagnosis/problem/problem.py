@@ -16,8 +16,8 @@ from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find, index
 from ...mechanism.vector import pack
 from ..statistics.priors import ROUGHLY, Priors
-from ..statistics.robust_noise import Chain
-from .candidates import Candidate
+from ..statistics.robust_noise import RowOrder
+from .candidates import EffectCandidate
 from .holdout import lock
 from .progress import Progress
 from .stiffness_scale import STIFFNESSES
@@ -60,7 +60,7 @@ class Problem:
         self,
         mechanism: Mechanism,
         data: Sequence[Measurements],
-        candidates: Sequence[Candidate],
+        candidates: Sequence[EffectCandidate],
         uncertain: Mapping[str, float],
         priors: Mapping[str, tuple[float, float]],
         *,
@@ -123,9 +123,9 @@ class Problem:
         few.open = rows
         return few
 
-    def chain(self, rows: NDArray[np.int64]) -> Chain:
+    def chain(self, rows: NDArray[np.int64]) -> RowOrder:
         """Return the order of rows, places that rise."""
-        return Chain.of(self.run, rows)
+        return RowOrder.of(self.run, rows)
 
     def start(self, keys: Sequence[str]) -> Array:
         """Return the mechanism's own values of parameters."""

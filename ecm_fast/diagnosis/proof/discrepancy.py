@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..problem.linearization import View
+from ..problem.linearization import Linearization
 from ..problem.problem import Problem
 from ..problem.trends import coordinates
 from ..results.diagnosis import Remainder
 from ..statistics.robust_noise import orthonormal
-from .holdout_error import Opened
+from .holdout_error import Residuals
 
 __all__ = ["remainder"]
 
@@ -20,7 +20,9 @@ _ROWS = 1500
 """Rows that a smooth function goes through at most, evenly over the order of measurement."""
 
 
-def remainder(problem: Problem, view: View, opened: Opened, compliance: Array, locked: NDArray[np.bool_]) -> Remainder:
+def remainder(
+    problem: Problem, view: Linearization, opened: Residuals, compliance: Array, locked: NDArray[np.bool_]
+) -> Remainder:
     """Return what is left around a view as a Gaussian process over the loads.
 
     Its lengths and size are those of the largest likelihood; what parameters of the model could make is taken off
@@ -77,7 +79,7 @@ def _kernel(a: Array, b: Array, length: float) -> Array:
     return np.asarray(np.exp(-0.5 * np.maximum(squares, 0.0) / length**2))
 
 
-def _resembles(view: View) -> tuple[str, float]:
+def _resembles(view: Linearization) -> tuple[str, float]:
     """Return the family of the effect whose signature is nearest to the residual, and their cosine."""
     gram = view.rest[2]
     norm = gram.norm

@@ -16,8 +16,8 @@ from ..problem.problem import Problem
 from ..results.diagnosis import Noise
 from ..results.external_validation import Transfer, allowed
 from ..search.fit import Fit
-from ..search.selection import Found
-from .holdout_error import Opened, gap
+from ..search.selection import Selection
+from .holdout_error import Residuals, gap
 
 __all__ = ["transfer"]
 
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 _RIVALS = 5
 
 
-def transfer(there: Problem, found: Found, noise: Noise, seed: int) -> Transfer | None:
+def transfer(there: Problem, found: Selection, noise: Noise, seed: int) -> Transfer | None:
     """Return the gap on an experiment that was never fitted; None where no reading of it can be used.
 
     Parameters
@@ -40,7 +40,7 @@ def transfer(there: Problem, found: Found, noise: Noise, seed: int) -> Transfer 
     known = there.noise(there.rows.at(there.start(there.keys)))
     sigma = np.where(known.origin == RESIDUAL, np.asarray(noise.sigma), known.sigma)  # else it would fit by definition
     known = replace(known, sigma=np.where(sigma > 0.0, sigma, known.sigma))
-    opened = Opened.of(there, before, after, there.weights(known, after), np.maximum(found.scale, 1.0))
+    opened = Residuals.of(there, before, after, there.weights(known, after), np.maximum(found.scale, 1.0))
     part = there.data[0]
     shown_gap, far = gap(there, opened, np.ones(part.n, dtype=bool), part.source, seed)
     if shown_gap is None:
@@ -57,7 +57,7 @@ def transfer(there: Problem, found: Found, noise: Noise, seed: int) -> Transfer 
     )
 
 
-def _rivals(there: Problem, found: Found, opened: Opened, far: NDArray[np.int64]) -> Iterator[tuple[str, float]]:
+def _rivals(there: Problem, found: Selection, opened: Residuals, far: NDArray[np.int64]) -> Iterator[tuple[str, float]]:
     """Yield the next best explanations and what they leave of the experiment [sigma]."""
     for fit in found.runners_up[:_RIVALS]:
         whitened = opened.whitened(there.rows.measured - fit.state(there).pose)
@@ -65,7 +65,7 @@ def _rivals(there: Problem, found: Found, opened: Opened, far: NDArray[np.int64]
         yield " with ".join(found.names(fit)), float(np.sqrt(np.nanmean(whitened**2)))
 
 
-def _adapted(opened: Opened, after: State, fit: Fit, whitened: Array) -> float:
+def _adapted(opened: Residuals, after: State, fit: Fit, whitened: Array) -> float:
     """Return the root mean square [sigma] that is left where the fitted parameters move within their doubt.
 
     Its square times the number of readings is the smallest |r - J d|^2 + d^T C^-1 d, chi squared where all is right.

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from ...identification.rows import State
 from ..problem.holdout import regions
 from ..problem.problem import Problem, Weights
-from ..results.diagnosis import Gap, Rms
+from ..results.diagnosis import HoldoutMisfit, Rms
 
-__all__ = ["Opened", "gap"]
+__all__ = ["Residuals", "gap"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -21,7 +21,7 @@ _OUTLIER, _FEW = 8.0, 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Opened:
+class Residuals:
     """Residuals of some rows: measured less predicted as given, before and after, and their noise.
 
     Attributes
@@ -48,7 +48,7 @@ class Opened:
         weights: Weights,
         scale: Array,
         without: Mapping[str, State] | None = None,
-    ) -> "Opened":
+    ) -> "Residuals":
         """Return the residuals of all rows in these states, and of the mechanism as it is given."""
         blank = np.where(problem.wanted, problem.rows.measured, np.nan)
         given = problem.state((), {}).pose
@@ -71,7 +71,9 @@ class Opened:
         return np.where(good, np.sqrt((root**2).sum(axis=2)), np.nan)
 
 
-def gap(problem: Problem, opened: Opened, rows: Mask, what: str, seed: int) -> tuple[Gap | None, NDArray[np.int64]]:
+def gap(
+    problem: Problem, opened: Residuals, rows: Mask, what: str, seed: int
+) -> tuple[HoldoutMisfit | None, NDArray[np.int64]]:
     """Return the gap on some rows, and those of them that are outliers."""
     after = opened.whitened(opened.after)
     use = rows & np.isfinite(after).any(axis=1)
@@ -90,7 +92,9 @@ def gap(problem: Problem, opened: Opened, rows: Mask, what: str, seed: int) -> t
     excess = first.sigma**2 - 1.0
     closed = float(1.0 - max(second.sigma**2 - 1.0, 0.0) / excess) if excess > 0.0 else float("nan")
     without = dict(zip(opened.without, fewer, strict=True))
-    return Gap(int(use.sum()), what, given, first, second, noise, closed, without=without), np.flatnonzero(far)
+    return HoldoutMisfit(int(use.sum()), what, given, first, second, noise, closed, without=without), np.flatnonzero(
+        far
+    )
 
 
 def _rms(raw: Array, white: Array, blocks: NDArray[np.int64], seed: int) -> Rms:

@@ -8,19 +8,19 @@ from ...files import plain
 from ...identification.result import Estimate
 from ...mechanism.mechanism import Mechanism
 from .external_validation import Transfer
-from .findings import Claim, Gap, Gate, Model, Noise, Remainder, Rms, Rows, Sight, Verdict, Where
+from .findings import Claim, Detectability, HoldoutMisfit, LackOfFit, Model, Noise, Remainder, Rms, Rows, Verdict, Where
 
 __all__ = [
     "Claim",
+    "Detectability",
     "Diagnosis",
-    "Gap",
-    "Gate",
+    "HoldoutMisfit",
+    "LackOfFit",
     "Model",
     "Noise",
     "Remainder",
     "Rms",
     "Rows",
-    "Sight",
     "Transfer",
     "Verdict",
     "Where",
@@ -63,11 +63,11 @@ class Diagnosis:
     dimensions: Mapping[str, float]
     dimensions_before: Mapping[str, float]
     mechanism: Mechanism
-    gap: Gap | None
+    gap: HoldoutMisfit | None
     transfer: tuple[Transfer, ...]
     models: tuple[Model, ...]
-    gates: tuple[Gate, ...]
-    sights: tuple[Sight, ...]
+    gates: tuple[LackOfFit, ...]
+    sights: tuple[Detectability, ...]
     noise: Noise
     where: Where | None
     remainder: Remainder | None

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .findings import Gap
+from .findings import HoldoutMisfit
 
 __all__ = ["Transfer", "allowed", "carried", "not_carried"]
 
@@ -25,7 +25,7 @@ def allowed(readings: int) -> float:
 
 
 @dataclass(frozen=True)
-class Transfer(Gap):
+class Transfer(HoldoutMisfit):
     """The gap on an experiment that was never fitted.
 
     Attributes

@@ -10,7 +10,19 @@ from numpy.typing import NDArray
 
 from ...data.measurements import Measurements
 
-__all__ = ["Claim", "Gap", "Gate", "Model", "Noise", "Remainder", "Rms", "Rows", "Sight", "Verdict", "Where"]
+__all__ = [
+    "Claim",
+    "Detectability",
+    "HoldoutMisfit",
+    "LackOfFit",
+    "Model",
+    "Noise",
+    "Remainder",
+    "Rms",
+    "Rows",
+    "Verdict",
+    "Where",
+]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -84,7 +96,7 @@ class Model:
 
 
 @dataclass(frozen=True)
-class Gate:
+class LackOfFit:
     """One test for structure: what was compared, and how often clean data exceed it.
 
     Attributes
@@ -108,7 +120,7 @@ class Gate:
 
 
 @dataclass(frozen=True)
-class Sight:
+class Detectability:
     """What the loads can show of one entry of the catalogue.
 
     Attributes
@@ -178,7 +190,7 @@ class Rms:
 
 
 @dataclass(frozen=True)
-class Gap:
+class HoldoutMisfit:
     """What is left between model and measurements in rows that no step of the diagnosis has seen.
 
     Attributes

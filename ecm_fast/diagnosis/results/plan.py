@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...files import plain
-from .diagnosis import Sight
+from .diagnosis import Detectability
 
 __all__ = ["Plan"]
 
@@ -30,7 +30,7 @@ class Plan:
     """
 
     rows: int
-    sights: tuple[Sight, ...]
+    sights: tuple[Detectability, ...]
     names: tuple[str, ...]
     cosines: NDArray[np.float64]
     distances: NDArray[np.float64]

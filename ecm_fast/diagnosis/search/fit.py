@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from ...identification.least_squares import Minimum, minimize
 from ...identification.rows import State
-from ..problem.linearization import View
+from ..problem.linearization import Linearization
 from ..problem.problem import Problem
 from ..problem.stiffness_scale import Scales
-from ..statistics.size_prior import size_factor
+from ..statistics.priors import size_factor
 
 __all__ = ["Fit", "refit"]
 
@@ -62,7 +62,7 @@ class Fit:
         return problem.state(tuple(values), values)
 
 
-def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit: float = np.inf) -> Fit:
+def refit(view: Linearization, model: tuple[int, ...], start: Mapping[str, float], limit: float = np.inf) -> Fit:
     """Fit an explanation to the cleaned residuals of a view.
 
     Parameters
@@ -124,7 +124,7 @@ def refit(view: View, model: tuple[int, ...], start: Mapping[str, float], limit:
     return _judged(found, view, model, tuple(solver.names), scales)
 
 
-def _judged(found: Minimum, view: View, model: tuple[int, ...], keys: tuple[str, ...], scales: Scales) -> Fit:
+def _judged(found: Minimum, view: Linearization, model: tuple[int, ...], keys: tuple[str, ...], scales: Scales) -> Fit:
     """Return the fit with its evidence, Laplace's approximation: the calibrated parameters' own share cancels."""
     p, calibrated, members = len(keys), len(view.problem.keys), [view.problem.candidates[i] for i in model]
     scale = np.sqrt((found.jacobian**2).sum(axis=0))
@@ -148,12 +148,14 @@ def _judged(found: Minimum, view: View, model: tuple[int, ...], keys: tuple[str,
     return Fit(model, keys, fitted, covariance, found.total, evidence, found.settled, build)
 
 
-def _with_build(values: Array, keys: tuple[str, ...], view: View, hidden: Array) -> tuple[Array, dict[str, float]]:
+def _with_build(
+    values: Array, keys: tuple[str, ...], view: Linearization, hidden: Array
+) -> tuple[Array, dict[str, float]]:
     """Return the fitted values, and the dimensions that are none of them, with what hides in the build added."""
-    problem, drawn = view.problem, view.drawn
-    moves = hidden[hidden.size - len(drawn) :] * [problem.tolerances[key] for key in drawn]
-    for key, move in zip(drawn, moves.tolist(), strict=True):
+    problem, toleranced = view.problem, view.toleranced
+    moves = hidden[hidden.size - len(toleranced) :] * [problem.tolerances[key] for key in toleranced]
+    for key, move in zip(toleranced, moves.tolist(), strict=True):
         if key in keys:
             values[keys.index(key)] += move
-    moved = zip(drawn, (problem.start(drawn) + moves).tolist(), strict=True)
+    moved = zip(toleranced, (problem.start(toleranced) + moves).tolist(), strict=True)
     return values, {key: value for key, value in moved if key not in keys}

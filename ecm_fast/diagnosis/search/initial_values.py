@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..problem.linearization import View
-from ..statistics.evidence import Gram
+from ..problem.linearization import Linearization
+from ..statistics.evidence import EvidenceMatrix
 
-__all__ = ["most_evidence", "starts"]
+__all__ = ["initial_values", "largest_evidence"]
 
 Array = NDArray[np.float64]
 
@@ -14,7 +14,7 @@ _STEPS = (-2.0, -1.0, 1.0, 2.0)
 """Prior standard deviations from the usual value: beyond its corner a law shows a fit nothing of itself."""
 
 
-def starts(view: View, least: float = -np.inf) -> dict[str, float]:
+def initial_values(view: Linearization, least: float = -np.inf) -> dict[str, float]:
     """Return the values, by key, that say more than the usual ones: of the first further parameter of every effect.
 
     least : evidence on top of the model that an effect must have to be worth it
@@ -22,13 +22,13 @@ def starts(view: View, least: float = -np.inf) -> dict[str, float]:
     return {key: value for key, (value, evidence) in _scanned(view).items() if evidence > least}
 
 
-def most_evidence(view: View) -> float:
+def largest_evidence(view: Linearization) -> float:
     """Return the largest evidence of an effect on top of the model, wherever its further parameter begins."""
     usual = float(view.rest[2].singles()[0].max(initial=0.0))
     return max([usual, *(evidence for _, evidence in _scanned(view).values())])
 
 
-def _scanned(view: View) -> dict[str, tuple[float, float]]:
+def _scanned(view: Linearization) -> dict[str, tuple[float, float]]:
     """Return the values, by key, that say more than the usual ones, each with the evidence there.
 
     Effects of the model keep what was fitted.
@@ -50,7 +50,7 @@ def _scanned(view: View) -> dict[str, tuple[float, float]]:
         by = solver.at(at).by[:, :, [column[c.keys[0]] for c in chosen]]
         signatures = view.flat(view.whitening @ by * np.array([c.spread[0] for c in chosen]))
         below = np.zeros((len(residual) - len(signatures), len(places)))
-        evidence, _ = Gram.of(residual, free, np.vstack([signatures, below]), view.one_sided[places],
+        evidence, _ = EvidenceMatrix.of(residual, free, np.vstack([signatures, below]), view.one_sided[places],
                               np.zeros(len(places))).singles()  # fmt: skip
         for n in np.flatnonzero(evidence > best):
             best[n] = evidence[n]

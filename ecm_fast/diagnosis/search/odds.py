@@ -2,7 +2,7 @@
 
 import math
 
-__all__ = ["odds", "unasked_doubt"]
+__all__ = ["alternative_caveat", "odds"]
 
 _CERTAIN = 1e4
 """Odds beyond which their number says nothing more."""
@@ -14,6 +14,6 @@ def odds(evidence: float) -> str:
     return f"more than {_CERTAIN:.0f}" if times >= 0.999 * _CERTAIN else f"{times:.0f}"
 
 
-def unasked_doubt(name: str, evidence: float) -> str:
+def alternative_caveat(name: str, evidence: float) -> str:
     """Return a line where one effect alone passes the tests, though two have so much more evidence."""
     return f"{name} alone passes the tests, too; that there are two effects is {odds(evidence)} times as likely"

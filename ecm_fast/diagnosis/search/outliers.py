@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 
 from ...identification.rows import DECLARED
-from ..problem.linearization import View
-from ..results.diagnosis import Gate
+from ..problem.linearization import Linearization
+from ..results.diagnosis import LackOfFit
 from ..statistics.robust_noise import orthonormal, removal
-from .initial_values import most_evidence
+from .initial_values import largest_evidence
 
-__all__ = ["louder_than_declared", "on_more_than_a_row"]
+__all__ = ["drop_single_row_alarms", "excess_noise"]
 
 _ALONE, _FAR_OUT = 3, 25.0
 """How many rows an alarm may rest on and still be theirs, and what each one must take off the sum of squares."""
@@ -23,7 +23,7 @@ _LOUD = 5.5
 1200 clean sets of 81 rows, white and not, one had 0.6, where 0.7 alarms."""
 
 
-def on_more_than_a_row(view: View, alpha: float, seed: int) -> tuple[View, tuple[Gate, ...]]:
+def drop_single_row_alarms(view: Linearization, alpha: float, seed: int) -> tuple[Linearization, tuple[LackOfFit, ...]]:
     """Return the tests of a view without rows on each of which an alarm rests alone: they are outliers.
 
     Unless one effect makes them all at once: a stop touches few rows, and these as no accident would.
@@ -40,12 +40,12 @@ def on_more_than_a_row(view: View, alpha: float, seed: int) -> tuple[View, tuple
         if not any(gate.alarm for gate in gates):
             whole, rest = view.rest[2], reduced.rest[2]
             astray = whole.left - rest.left - _ASTRAY * dropped
-            named = dropped and most_evidence(view) > astray
+            named = dropped and largest_evidence(view) > astray
             return (view, first) if named else (reduced, gates)
     return view, first
 
 
-def _worst(view: View, *, smooth: bool) -> tuple[int, float]:
+def _worst(view: Linearization, *, smooth: bool) -> tuple[int, float]:
     """Return the row whose removal takes most off the sum of squares, and how much.
 
     smooth : whether smooth functions are let free; a row that they bend to hides from them
@@ -58,7 +58,7 @@ def _worst(view: View, *, smooth: bool) -> tuple[int, float]:
     return int(np.argmax(gain)), float(gain.max())
 
 
-def _without(view: View, row: int) -> View:
+def _without(view: Linearization, row: int) -> Linearization:
     """Return the view with one more of its rows left out, the cleaned residuals of the others kept."""
     kept = np.arange(len(view.rows)) != row
     own, rows = view.cleaned, view.rows[kept]
@@ -67,7 +67,7 @@ def _without(view: View, row: int) -> View:
     return replace(view, rows=rows, chain=view.problem.chain(rows), cleaned=cleaned, outliers=lost)
 
 
-def louder_than_declared(view: View) -> tuple[str, ...]:
+def excess_noise(view: Linearization) -> tuple[str, ...]:
     """Return lines where what looks like noise is far more than the measurements declare, or has too many outliers."""
     from scipy.stats import binom
 

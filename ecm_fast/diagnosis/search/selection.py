@@ -7,19 +7,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...identification.rows import Noise
-from ..problem.linearization import View
+from ..problem.linearization import Linearization
 from ..problem.problem import Problem
-from ..results.diagnosis import Gate, Model
-from . import initial_values as further
+from ..results.diagnosis import LackOfFit, Model
 from .calibration import calibrate
 from .fit import Fit, refit
-from .odds import unasked_doubt
-from .outliers import louder_than_declared, on_more_than_a_row
+from .initial_values import initial_values
+from .odds import alternative_caveat
+from .outliers import drop_single_row_alarms, excess_noise
 
-__all__ = ["LIMITS", "Fits", "Found", "onward", "refused", "search", "search_from"]
+__all__ = ["LIMITS", "Fits", "Selection", "onward", "refused", "search", "search_from"]
 
 Array = NDArray[np.float64]
-Fits = tuple[View, Fit, list[Fit]]  # the view at the best explanation, the fit without effects there, and theirs
+Fits = tuple[
+    Linearization, Fit, list[Fit]
+]  # the view at the best explanation, the fit without effects there, and theirs
 
 LIMITS = {1: 5.0, 2: 9.2}
 """Evidence that a model of so many effects may lack to the best one and still be told from it by nobody.
@@ -39,7 +41,7 @@ _AGAIN, _GAIN = 3, 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class Selection:
     """What the search ends with.
 
     Attributes
@@ -54,15 +56,15 @@ class Found:
     closest : the view at what comes nearest, where that does not explain
     """
 
-    baseline: View
-    view: View
+    baseline: Linearization
+    view: Linearization
     null: Fit
     fits: dict[int, list[Fit]]
-    gates: tuple[Gate, ...]
+    gates: tuple[LackOfFit, ...]
     effects: int
     outside: bool
     doubts: tuple[str, ...]
-    closest: View | None = None
+    closest: Linearization | None = None
 
     @property
     def scale(self) -> Array:
@@ -110,7 +112,7 @@ class Found:
             )
 
 
-def refused(fit: Fit, view: View) -> str:
+def refused(fit: Fit, view: Linearization) -> str:
     """Return why an explanation cannot be meant, empty if it can."""
     values = fit.by_key()
     for i in fit.model:
@@ -123,26 +125,32 @@ def refused(fit: Fit, view: View) -> str:
     return ""
 
 
-def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found:
+def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Selection:
     """Search for what the measurements ask for."""
     values, noise = calibrate(problem)
-    return search_from(View.at(problem, values, (), noise), alpha, max_effects, seed)
+    return search_from(Linearization.at(problem, values, (), noise), alpha, max_effects, seed)
 
 
-def search_from(baseline: View, alpha: float, max_effects: int, seed: int) -> Found:
+def search_from(baseline: Linearization, alpha: float, max_effects: int, seed: int) -> Selection:
     """Search from the calibrated model without effects."""
-    baseline, gates = on_more_than_a_row(baseline, alpha, seed)
+    baseline, gates = drop_single_row_alarms(baseline, alpha, seed)
     if not any(gate.alarm for gate in gates) or max_effects < 1:
-        louder, null = louder_than_declared(baseline), refit(baseline, (), baseline.values)
-        return Found(baseline, baseline, null, {}, gates, 0, bool(louder), louder)
-    start = _looked_at(baseline, further.starts(baseline))
+        louder, null = excess_noise(baseline), refit(baseline, (), baseline.values)
+        return Selection(baseline, baseline, null, {}, gates, 0, bool(louder), louder)
+    start = _with_initial_values(baseline, initial_values(baseline))
     first = _singles(start.problem, start, start.noise, start, {})
     return onward(baseline, start, gates, first, alpha, max_effects, seed)
 
 
 def onward(
-    baseline: View, start: View, gates: tuple[Gate, ...], first: Fits, alpha: float, max_effects: int, seed: int
-) -> Found:
+    baseline: Linearization,
+    start: Linearization,
+    gates: tuple[LackOfFit, ...],
+    first: Fits,
+    alpha: float,
+    max_effects: int,
+    seed: int,
+) -> Selection:
     """Go on from the single effects: one is enough, two are needed, or none will do.
 
     Two are tried where a test sees more than one explains, and where none does but the evidence is for two: as the
@@ -155,13 +163,15 @@ def onward(
     found: dict[int, list[Fit]] = {1: fits}
     gates = (*gates, *own)
     admissible = _admissible(fits, null, view)
-    one = Found(baseline, view, null, found, gates, 1, False, ())
+    one = Selection(baseline, view, null, found, gates, 1, False, ())
     quiet = admissible and not any(gate.alarm for gate in own)
     if quiet and (max_effects < 2 or _second(view) <= _WORTH):
         return one
     if max_effects >= 2:
-        begin = further.starts(view, _least(float(view.rest[2].singles()[0].max(initial=-np.inf))))
-        both, null2, pairs = _pairs(problem, _looked_at(start, begin), _looked_at(view, begin), noise, fits)
+        begin = initial_values(view, _least(float(view.rest[2].singles()[0].max(initial=-np.inf))))
+        both, null2, pairs = _pairs(
+            problem, _with_initial_values(start, begin), _with_initial_values(view, begin), noise, fits
+        )
         found[2] = pairs
         alone = _alone(both, pairs, fits[:1] if quiet else [])
         single = max((fit.evidence for fit in alone), default=null2.evidence)
@@ -170,50 +180,50 @@ def onward(
             (both, null2, pairs), last = _tested((both, null2, pairs), alpha, seed)
             found[2], gates = pairs, (*gates, *last)
             if _admissible(pairs, null2, both) and not any(gate.alarm for gate in last):
-                doubts = (unasked_doubt(one.names(fits[0])[0], gain),) if quiet else ()
-                return Found(baseline, both, null2, found, gates, 2, False, doubts)
+                doubts = (alternative_caveat(one.names(fits[0])[0], gain),) if quiet else ()
+                return Selection(baseline, both, null2, found, gates, 2, False, doubts)
             if not quiet:
-                return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), both)
+                return Selection(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), both)
         elif not quiet and alone and alone[0].evidence - null2.evidence > _SPEAKS and alone[0].model != fits[0].model:
             known = {fit.model: fit for fit in (*fits, *alone)}
             (view, null, fits), own = _tested(_singles(problem, start, noise, both, known), alpha, seed)
             found, admissible, gates = {1: fits}, _admissible(fits, null, view), (*gates, *own)
             if admissible and not any(gate.alarm for gate in own):
-                return Found(baseline, view, null, found, gates, 1, False, ())
+                return Selection(baseline, view, null, found, gates, 1, False, ())
     if quiet:
         return one
     outside = not admissible or any(gate.alarm for gate in own)
     doubt = "the tests see a little more than this, but nothing that a second name would explain"
     if outside:
-        return Found(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), view)
-    return Found(baseline, view, null, found, gates, 1, False, (doubt,))
+        return Selection(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), view)
+    return Selection(baseline, view, null, found, gates, 1, False, (doubt,))
 
 
-def _second(view: View) -> float:
+def _second(view: Linearization) -> float:
     """Return the evidence, on the linear model, that the best two effects have more than the best one."""
     return float(view.gram.pairs().evidence.max(initial=-np.inf) - view.gram.singles()[0].max(initial=-np.inf))
 
 
-def _tested(found: Fits, alpha: float, seed: int) -> tuple[Fits, tuple[Gate, ...]]:
+def _tested(found: Fits, alpha: float, seed: int) -> tuple[Fits, tuple[LackOfFit, ...]]:
     """Return the tests for more than the best explanation has; rows on which an alarm rests alone are left out."""
     view, null, fits = found
-    reduced, gates = on_more_than_a_row(view, alpha, seed)
+    reduced, gates = drop_single_row_alarms(view, alpha, seed)
     if reduced is not view:
         known = {fit.model: fit for fit in fits}
         null, fits = refit(reduced, (), null.by_key()), _fitted(reduced, list(known), known)
     return (reduced, null, fits), gates
 
 
-def _looked_at(view: View, begin: dict[str, float]) -> View:
+def _with_initial_values(view: Linearization, begin: dict[str, float]) -> Linearization:
     """Return a view with further parameters of effects where they begin."""
-    return View.at(view.problem, {**view.values, **begin}, view.model, view.noise) if begin else view
+    return Linearization.at(view.problem, {**view.values, **begin}, view.model, view.noise) if begin else view
 
 
-def _admissible(fits: list[Fit], null: Fit, view: View) -> bool:
+def _admissible(fits: list[Fit], null: Fit, view: Linearization) -> bool:
     return bool(fits) and not refused(fits[0], view) and fits[0].evidence - null.evidence > _SPEAKS
 
 
-def _alone(view: View, pairs: list[Fit], others: list[Fit]) -> list[Fit]:
+def _alone(view: Linearization, pairs: list[Fit], others: list[Fit]) -> list[Fit]:
     """Return the fits with one effect of the best pair alone, and those of others again, the best first."""
     if not pairs:
         return []
@@ -223,8 +233,8 @@ def _alone(view: View, pairs: list[Fit], others: list[Fit]) -> list[Fit]:
 
 
 def _singles(
-    problem: Problem, baseline: View, noise: Noise, view: View, known: dict[tuple[int, ...], Fit]
-) -> tuple[View, Fit, list[Fit]]:
+    problem: Problem, baseline: Linearization, noise: Noise, view: Linearization, known: dict[tuple[int, ...], Fit]
+) -> tuple[Linearization, Fit, list[Fit]]:
     """Return the view at the best single effect, the fit without any there, and all fits, the best first.
 
     The search begins at `view`, with the fits that are `known` as starts.
@@ -244,13 +254,13 @@ def _singles(
         if fits[0].model == best:
             break
         best = fits[0].model
-        view = View.at(problem, {**baseline.values, **fits[0].by_key()}, best, noise)
+        view = Linearization.at(problem, {**baseline.values, **fits[0].by_key()}, best, noise)
     return view, null, fits
 
 
 def _pairs(
-    problem: Problem, baseline: View, single: View, noise: Noise, singles: list[Fit]
-) -> tuple[View, Fit, list[Fit]]:
+    problem: Problem, baseline: Linearization, single: Linearization, noise: Noise, singles: list[Fit]
+) -> tuple[Linearization, Fit, list[Fit]]:
     view, best, starts = single, None, {fit.model: fit for fit in singles}
     views = [baseline, single]
     for _ in range(_PASSES):
@@ -266,7 +276,7 @@ def _pairs(
         if not fits or fits[0].model == best:
             break
         best = fits[0].model
-        view = View.at(problem, {**baseline.values, **fits[0].by_key()}, best, noise)
+        view = Linearization.at(problem, {**baseline.values, **fits[0].by_key()}, best, noise)
         views = [baseline, view]
     return view, null, fits
 
@@ -290,7 +300,7 @@ def _least(best: float) -> float:
     return best - max(_LEFT, _ROUGH * best)
 
 
-def _fitted(view: View, models: Iterable[tuple[int, ...]], known: dict[tuple[int, ...], Fit]) -> list[Fit]:
+def _fitted(view: Linearization, models: Iterable[tuple[int, ...]], known: dict[tuple[int, ...], Fit]) -> list[Fit]:
     """Fit explanations; the best one, where it has not settled, until it does or gains no more."""
     fits, limit = list[Fit](), np.inf
     for model in models:
@@ -308,14 +318,14 @@ def _fitted(view: View, models: Iterable[tuple[int, ...]], known: dict[tuple[int
     return fits
 
 
-def _ranked(fits: list[Fit], view: View) -> list[Fit]:
+def _ranked(fits: list[Fit], view: Linearization) -> list[Fit]:
     """Return the fits, the best first, those that cannot be meant last."""
     return sorted(
         (fit for fit in fits if np.isfinite(fit.total)), key=lambda fit: (bool(refused(fit, view)), -fit.evidence)
     )
 
 
-def _start(view: View, model: tuple[int, ...], known: dict[tuple[int, ...], Fit]) -> dict[str, float]:
+def _start(view: Linearization, model: tuple[int, ...], known: dict[tuple[int, ...], Fit]) -> dict[str, float]:
     """Return where to start: at the same fit of before, else at what the linear model says."""
     if model in known:
         return known[model].by_key()

@@ -11,17 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..problem.holdout import regions
-from ..problem.linearization import View
+from ..problem.linearization import Linearization
 from ..problem.problem import Problem
-from ..results.diagnosis import Gate
+from ..results.diagnosis import LackOfFit
 from .fit import Fit, refit
-from .odds import unasked_doubt
-from .outliers import on_more_than_a_row
+from .odds import alternative_caveat
+from .outliers import drop_single_row_alarms
 from .selection import (
     _WORTH,
     LIMITS,
     Fits,
-    Found,
+    Selection,
     _fitted,
     _pairs,
     _second,
@@ -43,7 +43,7 @@ _SLACK, _MOST = 10.0, 12
 _PASSES = 2
 
 
-def search_all(problem: Problem, alpha: float, max_effects: int, seed: int) -> Found:
+def search_all(problem: Problem, alpha: float, max_effects: int, seed: int) -> Selection:
     """Search for what the measurements ask for, where there are many rows by a share of them first.
 
     An alarm that the share raises alone is given when it is a hundred times rarer than allowed, so that the chance of
@@ -56,8 +56,8 @@ def search_all(problem: Problem, alpha: float, max_effects: int, seed: int) -> F
     problem.progress.begin("all rows")
     baseline, gates, alarmed = few.baseline, few.gates[:2], bool(few.fits)
     if not alarmed or not any(gate.p < _SURE * gate.alpha for gate in gates):
-        start = View.at(problem, few.null.by_key(), (), baseline.noise)
-        baseline, gates = on_more_than_a_row(start, alpha, seed)
+        start = Linearization.at(problem, few.null.by_key(), (), baseline.noise)
+        baseline, gates = drop_single_row_alarms(start, alpha, seed)
         if not alarmed or not any(gate.alarm for gate in gates):
             return search_from(baseline, alpha, max_effects, seed)
     return _confirmed(problem, few, baseline, gates, alpha, max_effects, seed) if few.effects else few
@@ -81,8 +81,14 @@ def evenly(problem: Problem, most: int) -> NDArray[np.int64]:
 
 
 def _confirmed(
-    problem: Problem, few: Found, baseline: View, gates: tuple[Gate, ...], alpha: float, max_effects: int, seed: int
-) -> Found:
+    problem: Problem,
+    few: Selection,
+    baseline: Linearization,
+    gates: tuple[LackOfFit, ...],
+    alpha: float,
+    max_effects: int,
+    seed: int,
+) -> Selection:
     """Return what all rows say of the explanations that a share of them leaves."""
     singles = _near(few.fits[1], few.view, LIMITS[1])
     if few.effects == 2:
@@ -103,18 +109,18 @@ def _confirmed(
     return two if two.effects or not one.effects else one
 
 
-def _near(fits: Sequence[Fit], view: View, limit: float) -> list[Fit]:
+def _near(fits: Sequence[Fit], view: Linearization, limit: float) -> list[Fit]:
     """Return the fits that may still be within a limit of the best one when all rows have spoken, the best first."""
     meant = [fit for fit in fits if not refused(fit, view)]
     return [fit for fit in meant if fit.evidence > meant[0].evidence - limit - _SLACK][:_MOST]
 
 
-def _to_all(problem: Problem, baseline: View, few: Found, near: list[Fit]) -> Fits:
+def _to_all(problem: Problem, baseline: Linearization, few: Selection, near: list[Fit]) -> Fits:
     """Fit explanations to all rows, from where they are; the view is that at the best of them."""
     best, sizes = near[0], {candidate.keys[0] for candidate in problem.candidates}
     known = {key: value for key, value in few.view.values.items() if key not in sizes}  # another name may be best here
     for _ in range(_PASSES):
-        view = View.at(problem, {**known, **best.by_key()}, best.model, baseline.noise)
+        view = Linearization.at(problem, {**known, **best.by_key()}, best.model, baseline.noise)
         fits = _fitted(view, [fit.model for fit in near], {fit.model: fit for fit in near})
         near = _near(fits, view, LIMITS[len(best.model)])
         if not near or near[0].model == best.model:
@@ -123,7 +129,7 @@ def _to_all(problem: Problem, baseline: View, few: Found, near: list[Fit]) -> Fi
     return view, refit(view, (), few.null.by_key()), fits
 
 
-def _pairs_of(few: Found, found: Fits) -> list[Fit]:
+def _pairs_of(few: Selection, found: Fits) -> list[Fit]:
     """Return pairs to try where one effect is not enough for all rows, the most promising first.
 
     A second effect that a share of the rows does not show is small, and the linear model of all rows ranks it; pairs
@@ -143,21 +149,21 @@ def _pairs_of(few: Found, found: Fits) -> list[Fit]:
 
 
 def _of_two(
-    baseline: View,
-    gates: tuple[Gate, ...],
+    baseline: Linearization,
+    gates: tuple[LackOfFit, ...],
     found: Fits,
     singles: Sequence[Fit],
     alpha: float,
     seed: int,
     enough: str = "",
-) -> Found:
+) -> Selection:
     """Return whether two effects are enough, and better than the `singles`; `enough` names one that passes alone."""
     (view, null, fits), last = _tested(found, alpha, seed)
     alone = [refit(view, fit.model, fit.by_key()) for fit in singles]
     tried = {1: alone, 2: fits}
     gain = fits[0].evidence - max(fit.evidence for fit in (null, *alone)) if fits else 0.0
     if gain > _WORTH and not refused(fits[0], view) and not any(gate.alarm for gate in last):
-        doubts = (unasked_doubt(enough, gain),) if enough else ()
-        return Found(baseline, view, null, tried, (*gates, *last), 2, False, doubts)
+        doubts = (alternative_caveat(enough, gain),) if enough else ()
+        return Selection(baseline, view, null, tried, (*gates, *last), 2, False, doubts)
     without = refit(baseline, (), baseline.values)
-    return Found(baseline, baseline, without, tried, (*gates, *last), 0, True, (), view)
+    return Selection(baseline, baseline, without, tried, (*gates, *last), 0, True, (), view)

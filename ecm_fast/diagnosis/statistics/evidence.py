@@ -11,9 +11,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from .size_prior import size_factor
+from .priors import size_factor
 
-__all__ = ["Gram", "Pairs"]
+__all__ = ["EvidenceMatrix", "Pairs"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -37,7 +37,7 @@ class Pairs:
 
 
 @dataclass(frozen=True, eq=False)
-class Gram:
+class EvidenceMatrix:
     """Signatures with everything that calibration can do taken off.
 
     Attributes
@@ -58,7 +58,9 @@ class Gram:
     center: Array
 
     @classmethod
-    def of(cls, residual: Array, nuisances: Array, signatures: Array, one_sided: Mask, center: Array) -> "Gram":
+    def of(
+        cls, residual: Array, nuisances: Array, signatures: Array, one_sided: Mask, center: Array
+    ) -> "EvidenceMatrix":
         """Project the nuisances (m, p) out of residual (m,) and signatures (m, k)."""
         size = np.sqrt((nuisances**2).sum(axis=0))
         q, r = np.linalg.qr(nuisances[:, size > 0.0] / size[size > 0.0])
@@ -85,7 +87,7 @@ class Gram:
         """Return the score statistic of every candidate, (k,): standard normal where nothing is missing."""
         return np.divide(self.score, self.norm, out=np.zeros_like(self.score), where=self.norm > 0.0)
 
-    def without(self, places: NDArray[np.int64]) -> "Gram":
+    def without(self, places: NDArray[np.int64]) -> "EvidenceMatrix":
         """Return the same with the signatures at `places` free nuisances, too."""
         if not len(places):
             return self
@@ -97,7 +99,7 @@ class Gram:
         gone = np.diag(gram) <= _ABSORBED**2 * np.diag(self.gram)
         gram[gone], gram[:, gone], score[gone] = 0.0, 0.0, 0.0
         left = self.left - float(self.score[places] @ np.linalg.pinv(block, hermitian=True) @ self.score[places])
-        return Gram(0.5 * (gram + gram.T), score, left, self.raw, self.one_sided, self.center)
+        return EvidenceMatrix(0.5 * (gram + gram.T), score, left, self.raw, self.one_sided, self.center)
 
     def at_zero(self) -> Array:
         """Return the scores that the residual would have without the effects that the model has, (k,)."""

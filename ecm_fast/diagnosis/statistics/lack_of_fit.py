@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..results.diagnosis import Gate
-from .evidence import Gram
+from ..results.diagnosis import LackOfFit
+from .evidence import EvidenceMatrix
 
-__all__ = ["NAMED", "SMOOTH", "effects_gate", "null_quantile", "smooth_gate"]
+__all__ = ["NAMED", "SMOOTH", "null_quantile", "score_test", "trend_test"]
 
 Array = NDArray[np.float64]
 
@@ -22,31 +22,31 @@ _SEEN = 1.0
 """Sigmas of one prior standard deviation below which an effect cannot make a statistic: it would be implausible."""
 
 
-def effects_gate(gram: Gram, dof: float, stage: int, alpha: float, seed: int) -> Gate:
+def score_test(gram: EvidenceMatrix, dof: float, stage: int, alpha: float, seed: int) -> LackOfFit:
     """Return the test by the largest projected score over all candidates that could be seen."""
     from scipy.special import stdtr
 
     seen = gram.norm >= _SEEN
     if not seen.any():
-        return Gate("effects", stage, 0.0, 1.0, alpha)
+        return LackOfFit("effects", stage, 0.0, 1.0, alpha)
     scores = gram.scores()[seen]
     sizes = np.where(gram.one_sided[seen], scores, np.abs(scores))
     largest = float(sizes.max())
     sides = np.where(gram.one_sided[seen], 1.0, 2.0)
     bound = float(sides.sum() * stdtr(dof, -largest))
     if bound < 0.1 * alpha:
-        return Gate("effects", stage, largest, bound, alpha)
+        return LackOfFit("effects", stage, largest, bound, alpha)
     null = _null(gram, seen, dof, seed)
-    return Gate("effects", stage, largest, float((1 + (null >= largest).sum()) / (1 + null.size)), alpha)
+    return LackOfFit("effects", stage, largest, float((1 + (null >= largest).sum()) / (1 + null.size)), alpha)
 
 
-def null_quantile(gram: Gram, dof: float, alpha: float, seed: int) -> float:
+def null_quantile(gram: EvidenceMatrix, dof: float, alpha: float, seed: int) -> float:
     """Return what the largest score exceeds with a chance of `alpha` where nothing is missing."""
     seen = gram.norm >= _SEEN
     return float(np.quantile(_null(gram, seen, dof, seed), 1.0 - alpha)) if seen.any() else np.inf
 
 
-def _null(gram: Gram, seen: NDArray[np.bool_], dof: float, seed: int) -> Array:
+def _null(gram: EvidenceMatrix, seen: NDArray[np.bool_], dof: float, seed: int) -> Array:
     """Return draws of the largest score, (d,): Gaussian scores with the signatures' cosines, over a common scale."""
     rng = np.random.default_rng(seed)
     values, vectors = np.linalg.eigh(gram.cosine[np.ix_(seen, seen)])
@@ -60,9 +60,9 @@ def _null(gram: Gram, seen: NDArray[np.bool_], dof: float, seed: int) -> Array:
     return np.asarray(draws.max(axis=1) / common)
 
 
-def smooth_gate(
+def trend_test(
     residual: Array, nuisances: Array, smooth: Sequence[Array], dofs: Sequence[float], stage: int, alpha: float
-) -> Gate:
+) -> LackOfFit:
     """Return the test by what smooth functions take off the residual (m,) beyond the nuisances (m, p).
 
     Every kind of them (m, q) is tested alone, with its own degrees of freedom behind the noise; the least likely one
@@ -81,4 +81,4 @@ def smooth_gate(
         mean = float(taken @ taken) / count
         chance = min(len(smooth) * float(fdtrc(count, dof, mean)), 1.0)
         least, statistic = min((least, statistic), (chance, mean))
-    return Gate("smooth", stage, statistic, least, alpha)
+    return LackOfFit("smooth", stage, statistic, least, alpha)

@@ -1,7 +1,7 @@
 """Noise as it is: tails, outliers, scale and memory, told by what no effect and no smooth function explains.
 
-A reading far out is drawn in to where it carries the information that its tail leaves it, so that all that follows is
-plain least squares with noise of one size.
+A reading far out is winsorized: drawn in to where it carries the information that its tail leaves it, so that all that
+follows is plain least squares with noise of one size.
 """
 
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Chain", "Cleaned", "clean", "orthonormal", "removal"]
+__all__ = ["NoiseFit", "RowOrder", "clean", "orthonormal", "removal"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -32,7 +32,7 @@ _SMALL = 1e-9  # singular values below this share of the largest carry nothing
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
+class RowOrder:
     """Rows in the order of measurement.
 
     Attributes
@@ -45,7 +45,7 @@ class Chain:
     gap: NDArray[np.int64]
 
     @classmethod
-    def of(cls, run: NDArray[np.int64], rows: NDArray[np.int64]) -> "Chain":
+    def of(cls, run: NDArray[np.int64], rows: NDArray[np.int64]) -> "RowOrder":
         """Return the chain of `rows`, places that rise among all, whose sessions are numbered `run`."""
         if not rows.size:
             return cls(rows, rows)
@@ -67,8 +67,8 @@ class Chain:
 
 
 @dataclass(frozen=True, eq=False)
-class Cleaned:
-    """Residuals drawn in.
+class NoiseFit:
+    """Winsorized residuals.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Cleaned:
     outlier: Mask
 
     def trusted_dof(self, slowness: float = 1.0) -> float:
-        """Degrees of freedom for rare events: what heavy tails once drawn in, and a memory half known, leave of them.
+        """Degrees of freedom for rare events: what winsorized tails, and a memory half known, leave of them.
 
         What changes slowly from row to row has noise of a variance of (1 + r)/(1 - r) where rows remember by r; what
         is as much up as down, of slowness 0, does not mind.
@@ -100,7 +100,7 @@ class Cleaned:
         return 1.0 / unknown if unknown > 0.0 else np.inf
 
 
-def clean(residual: Array, used: Mask, basis: Array, chain: Chain, declared: Mask) -> Cleaned:
+def clean(residual: Array, used: Mask, basis: Array, chain: RowOrder, declared: Mask) -> NoiseFit:
     """Draw in residuals.
 
     Parameters
@@ -116,10 +116,10 @@ def clean(residual: Array, used: Mask, basis: Array, chain: Chain, declared: Mas
     off = residual - fit
     outlier: Mask = np.asarray(used.any(axis=1) & ~good.any(axis=1))
     u = off / scale
-    drawn = np.where(good, scale * u * (nu + 3.0) / (nu + u**2), 0.0)  # psi over its mean slope, (nu+1)/(nu+3)
-    scale, dof = _scale(drawn, good, q, declared)
-    memory = _memory(drawn / scale, good, q, chain)
-    return Cleaned(np.where(good, fit + drawn, 0.0), scale, *memory, 1.0 / nu, dof, outlier)
+    winsorized = np.where(good, scale * u * (nu + 3.0) / (nu + u**2), 0.0)  # psi over its mean slope, (nu+1)/(nu+3)
+    scale, dof = _scale(winsorized, good, q, declared)
+    memory = _memory(winsorized / scale, good, q, chain)
+    return NoiseFit(np.where(good, fit + winsorized, 0.0), scale, *memory, 1.0 / nu, dof, outlier)
 
 
 def orthonormal(columns: Array) -> Array:
@@ -235,12 +235,12 @@ def _norm(nu: float) -> float:
 _NORM = {nu: _norm(nu) for nu in _TAILS}
 
 
-def _scale(drawn: Array, good: Mask, q: Array, declared: Mask) -> tuple[Array, float]:
+def _scale(winsorized: Array, good: Mask, q: Array, declared: Mask) -> tuple[Array, float]:
     """Return the size of the noise by channel, (3,), and the degrees of freedom behind it."""
     lost = (q**2).sum(axis=1).reshape(-1, 3)
     dof = np.array([float((1.0 - lost[good[:, c], c]).sum()) for c in range(3)])
     known = np.where(declared, _DECLARED_DOF, 0.0)
-    squares = np.where(good, drawn**2, 0.0).sum(axis=0)
+    squares = np.where(good, winsorized**2, 0.0).sum(axis=0)
     total = known + dof
     pooled = float((known + squares).sum() / max(total.sum(), 1e-9)) if total.sum() > 0.0 else 1.0
     share = total / (total + 4.0)  # what little a channel knows leans on the others
@@ -248,7 +248,7 @@ def _scale(drawn: Array, good: Mask, q: Array, declared: Mask) -> tuple[Array, f
     return np.sqrt(np.maximum(share * mean + (1.0 - share) * pooled, 1e-12)), max(float(total.sum()), 1.0)
 
 
-def _memory(unit: Array, good: Mask, q: Array, chain: Chain) -> tuple[float, float]:
+def _memory(unit: Array, good: Mask, q: Array, chain: RowOrder) -> tuple[float, float]:
     """Return the correlation of neighboring rows, none below 0, and its standard deviation.
 
     By moments: with M what the fit leaves of the noise and A half of one for neighbors, e'Ae / e'e is in the mean

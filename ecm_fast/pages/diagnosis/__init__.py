@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ...diagnosis import Diagnosis, Plan
-from ...diagnosis.answer.claim_words import MIRRORS, alike, dimensions, meaning, next_best
+from ...diagnosis.answer.sentences import MIRRORS, alike, dimensions, meaning, next_best
 from ...diagnosis.checks.symmetry import Parity
 from ...diagnosis.problem.problem import DRIFT
 from ...diagnosis.results.next_loads import NextLoads

@@ -14,7 +14,7 @@ from typing import Any
 from ...errors import InputError, did_you_mean, why
 from ...files import csv_text, plain, write_whole
 from ...pages.page import VERDICTS, Section, Table, require, write_report
-from .claims import Claim, Part
+from .claims import PaperClaim, Part
 from .fig4_workspace import workspace
 from .fig5_polynomial import wrenches
 from .fig6_comparison import comparison
@@ -27,7 +27,7 @@ from .outlook_pose_alone import pose_alone
 from .reference_solutions import reference
 from .table1_stiffness import table1
 
-__all__ = ["SECTIONS", "Claim", "Reproduction", "reproduce"]
+__all__ = ["SECTIONS", "PaperClaim", "Reproduction", "reproduce"]
 
 _PARTS: dict[str, tuple[str, Callable[[int], Part]]] = {
     "table1": ("stiffnesses and shear test (Table 1, Fig. 3)", table1),
@@ -57,12 +57,12 @@ class Reproduction:
     report : path of the page
     """
 
-    parts: Mapping[str, tuple[Claim, ...]]
+    parts: Mapping[str, tuple[PaperClaim, ...]]
     numbers: Mapping[str, Any]
     report: Path
 
     @property
-    def claims(self) -> tuple[Claim, ...]:
+    def claims(self) -> tuple[PaperClaim, ...]:
         """All claims, in the order of the page."""
         return tuple(claim for claims in self.parts.values() for claim in claims)
 
@@ -133,7 +133,7 @@ def _written(folder: Path, parts: Mapping[str, Part]) -> Reproduction:
     return result
 
 
-def _count(claims: Sequence[Claim], kind: str) -> int:
+def _count(claims: Sequence[PaperClaim], kind: str) -> int:
     return sum(claim.verdict.startswith(kind) for claim in claims)
 
 

@@ -19,7 +19,7 @@ __all__ = [
     "NOT_PUBLIC",
     "SIMULATED",
     "UNKNOWN",
-    "Claim",
+    "PaperClaim",
     "Part",
     "by_channel",
     "by_component",
@@ -37,7 +37,7 @@ SIMULATED = "SIMULATED: no one measured this"
 
 
 @dataclass(frozen=True)
-class Claim:
+class PaperClaim:
     """One thing somebody says, and what comes out here.
 
     Attributes
@@ -58,7 +58,7 @@ class Claim:
 class Part:
     """What one subject adds: claims, numbers in SI for ``results.json``, a section of the page."""
 
-    claims: tuple[Claim, ...]
+    claims: tuple[PaperClaim, ...]
     numbers: Mapping[str, Any]
     section: Section
 

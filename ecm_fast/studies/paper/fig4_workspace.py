@@ -10,7 +10,7 @@ from ...models.finite_element import FiniteElementModel
 from ...models.polynomial.training import WRENCH_BOX, tip_wrenches, training_poses
 from ...pages.page import Picture, Section
 from ...pages.plots import plot_shape, plot_workspace, random_tendon_forces
-from .claims import CHANNELS, DEG, MM, NOT_GIVEN, UNKNOWN, Claim, Part, by_channel, shown, verdict
+from .claims import CHANNELS, DEG, MM, NOT_GIVEN, UNKNOWN, PaperClaim, Part, by_channel, shown, verdict
 
 __all__ = ["workspace"]
 
@@ -54,15 +54,15 @@ def _covered(poses: NDArray[np.float64], trained: NDArray[np.float64]) -> float:
     return float(np.mean(Delaunay((trained - middle) / size).find_simplex((poses - middle) / size) >= 0))
 
 
-def _covering(preset: str, covered: float, boxed: float) -> list[Claim]:
+def _covering(preset: str, covered: float, boxed: float) -> list[PaperClaim]:
     return [
-        Claim(
+        PaperClaim(
             f"Section 3, preset {preset}: the training poses cover the workspace, 95 % of it in their convex hull",
             "well",
             f"{covered:.1%}",
             verdict(1.0 - covered, 1.0 - _COVERED, f"{1.0 - covered:.1%} of the workspace outside"),
         ),
-        Claim(
+        PaperClaim(
             f"Section 3, preset {preset}: the box of wrenches holds what the tendons do at the tip, in 95 % of the "
             "poses of Fig. 4",
             NOT_GIVEN,
@@ -72,18 +72,18 @@ def _covering(preset: str, covered: float, boxed: float) -> list[Claim]:
     ]
 
 
-def _claims(preset: str, result: BatchResult) -> list[Claim]:
+def _claims(preset: str, result: BatchResult) -> list[PaperClaim]:
     lost = len(result) - int(result.stable.sum())
     x, z, theta = result.pose.T
     reach = f"x {_span(x * MM)} mm, z {_span(z * MM)} mm, theta {_span(theta * DEG)} deg"
     return [
-        Claim(
+        PaperClaim(
             f"Fig. 4, preset {preset}: each of {len(result)} random pairs of tendon forces holds the neck in a pose",
             f"{len(result)} poses",
             f"{len(result) - lost} stable equilibria",
             verdict(lost, 0, f"{lost} poses"),
         ),
-        Claim(f"Fig. 4, preset {preset}: extent of the workspace", NOT_GIVEN, reach, UNKNOWN),
+        PaperClaim(f"Fig. 4, preset {preset}: extent of the workspace", NOT_GIVEN, reach, UNKNOWN),
     ]
 
 

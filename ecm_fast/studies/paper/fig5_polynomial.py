@@ -12,7 +12,7 @@ from ...models.polynomial.model import PolynomialModel
 from ...models.polynomial.training import WrenchErrors, relative_errors, training_poses
 from ...pages.page import Picture, Section, Table
 from ...pages.plots import COLORS, FAINT, canvas
-from .claims import MM, Claim, Part, by_component, shown, verdict
+from .claims import MM, PaperClaim, Part, by_component, shown, verdict
 
 __all__ = ["draw", "wrenches"]
 
@@ -43,7 +43,7 @@ def wrenches(seed: int = 0, draws: int = 20, n: int = 1000, tests: int = 300) ->
         for length in _LENGTHS
     }
     found = {length: _summary(many) for length, many in errors.items()}
-    claims: list[Claim] = []
+    claims: list[PaperClaim] = []
     pictures = []
     for preset in PRESETS:
         length = Mechanism.preset(preset).beam.length
@@ -73,7 +73,7 @@ def _summary(errors: list[WrenchErrors]) -> dict[str, Any]:
     }
 
 
-def _claims(preset: str, found: dict[str, Any], draws: int) -> list[Claim]:
+def _claims(preset: str, found: dict[str, Any], draws: int) -> list[PaperClaim]:
     share, outlier = found["share_within_2_percent"], found["largest_outlier_median"]
     beyond = [
         f"{name} to {shown(value, '.3g')} {unit}"
@@ -81,13 +81,13 @@ def _claims(preset: str, found: dict[str, Any], draws: int) -> list[Claim]:
         if not value <= bound
     ]
     return [
-        Claim(
+        PaperClaim(
             f"Fig. 5, preset {preset}: most predicted components are less than 2 % off",
             "most",
             ", ".join(f"{name} {value:.1%}" for (name, _), value in zip(_NAMES, share, strict=True)),
             verdict(1.0 - float(share.min()), 1.0 - _MOST, f"{share.min():.1%}"),
         ),
-        Claim(
+        PaperClaim(
             f"Fig. 5, preset {preset}: components that are more than 2 % off are small themselves",
             "up to 2 N and 0.2 N m",
             f"median of {draws} draws: "

@@ -24,7 +24,7 @@ from .claims import (
     MM,
     NOT_PUBLIC,
     SIMULATED,
-    Claim,
+    PaperClaim,
     Part,
     by_channel,
     by_component,
@@ -73,7 +73,7 @@ class Errors:
 def comparison(seed: int = 0, n: int = 1000) -> Part:
     """Predict simulated measurements of both presets with both models, which know nothing of a bend at rest."""
     found = {preset: _both(preset, seed, n) for preset in PRESETS}
-    claims: list[Claim] = []
+    claims: list[PaperClaim] = []
     rows: list[tuple[str | float | None, ...]] = []
     for preset, cases in found.items():
         for case, entry in cases.items():
@@ -128,23 +128,23 @@ def errors(model: FiniteElementModel, poly: PolynomialModel, data: Measurements)
     )
 
 
-def _claims(preset: str, case: str, found: Errors) -> list[Claim]:
+def _claims(preset: str, case: str, found: Errors) -> list[PaperClaim]:
     shares = found.shares()
     (_, fem), (_, poly) = shares["FEM"], shares["polynomial"]
     where = f"Fig. 6, preset {preset}, neck {case} (simulated)"
     x, z, theta = np.abs(found.pose).max(axis=0) * [MM, MM, DEG]
     return [
-        Claim(
+        PaperClaim(
             f"{where}: error of the FEM, largest, of the workspace",
             _listed(_FEM),
             f"{_percent(_FEM, fem)}; {x:.2g} mm, {z:.2g} mm, {theta:.2g} deg",
             NOT_PUBLIC,
         ),
-        Claim(
+        PaperClaim(
             f"{where}: error of the polynomial, largest, of the range", _listed(_POLYNOMIAL),
             _percent(_POLYNOMIAL, poly), NOT_PUBLIC,
         ),
-        Claim(
+        PaperClaim(
             f"{where}: the polynomial is less accurate than the FEM in every channel, x against fx and so on",
             "less accurate",
             f"{_percent(_POLYNOMIAL, poly)} against {_percent(_FEM, fem)}",

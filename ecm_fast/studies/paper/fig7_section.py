@@ -7,7 +7,7 @@ import numpy as np
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.sections import PRESETS
 from ...pages.page import Picture, Section, Table
-from .claims import Claim, Part, verdict
+from .claims import PaperClaim, Part, verdict
 from .fig7_times import Fig7, fig7
 
 __all__ = ["times"]
@@ -46,14 +46,14 @@ def times(seed: int = 0, n: int = 100, batch: int = 512, rounds: int = 2) -> Par
     return Part(claims, numbers, Section("Computing time (Fig. 7)", sentences, (table,), _pictures(found)))
 
 
-def _claims(preset: str, found: Fig7) -> list[Claim]:
+def _claims(preset: str, found: Fig7) -> list[PaperClaim]:
     claims = []
     for row in found.rows:
         if row["way"] in _CLAIMED:
             factor = row["polynomials"]
             own, other = 1e6 * row["median_s"], 1e6 * row["median_s"] / factor
             claims.append(
-                Claim(
+                PaperClaim(
                     f"Fig. 7, preset {preset}: the polynomial is at least 200 times faster than the FEM, {row['way']}",
                     "at least 200 times",
                     f"{factor:.3g} times, {other:.2g} against {own:.3g} µs",

@@ -11,7 +11,7 @@ from ...mechanism.mechanism import Mechanism
 from ...models.instruments.prediction import Prediction, predict
 from ...pages.page import Picture, Section, Table
 from ...pages.plots import plot_residuals
-from .claims import DEG, MM, Claim, Part, shown, verdict
+from .claims import DEG, MM, PaperClaim, Part, shown, verdict
 
 __all__ = ["fitted_modulus", "silicone", "square_section", "steel"]
 
@@ -28,7 +28,7 @@ def steel() -> Part:
     prediction = predict(mechanism, data)
     misfit = float(np.abs(prediction.residual[:, 1]).max())
     share = misfit / mechanism.beam.length
-    claim = Claim(
+    claim = PaperClaim(
         "Steel strip bent to 70 % of its length by a weight: without any fitted number the model meets all seven "
         "measured deflections to 0.7 % of the length",
         f"{-data.z.max() * MM:.0f} to {-data.z.min() * MM:.0f} mm, read to 1 mm",
@@ -82,18 +82,18 @@ def fitted_modulus(mechanism: Mechanism, data: Measurements) -> float:
     return float(brentq(lambda E: predict(square_section(mechanism, E), row).residual[0, 1], 1e5, 1e6, xtol=0.1))
 
 
-def _silicone_claims(row: dict[str, Any]) -> list[Claim]:
+def _silicone_claims(row: dict[str, Any]) -> list[PaperClaim]:
     (sag, sags), (angle, angles) = row["sag_m"], row["theta_rad"]
     where = f"Silicone beam with {1e3 * row['extra_mass_kg']:.0f} g hung on its tip, modulus from its own weight alone"
     off, turned = sags / sag - 1.0, (angles - angle) * DEG
     return [
-        Claim(
+        PaperClaim(
             f"{where}: sag within 10 %",
             f"{sag * MM:.1f} mm",
             f"{shown(sags * MM, '.1f')} mm, {shown(off, '+.1%')}",
             verdict(abs(off), _SAG_BOUND, shown(off, "+.1%")),
         ),
-        Claim(
+        PaperClaim(
             f"{where}: rotation of the tip within 1 deg, by which two runs differ",
             f"{angle * DEG:.1f} deg",
             f"{shown(angles * DEG, '.1f')} deg",

@@ -13,7 +13,7 @@ from ...diagnosis.search.selection import LIMITS
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...pages.page import Section, Table
-from .claims import MM, UNKNOWN, Claim, Part, shown
+from .claims import MM, UNKNOWN, PaperClaim, Part, shown
 from .measured_cantilevers import fitted_modulus, square_section
 
 __all__ = ["missing"]
@@ -57,7 +57,7 @@ def missing() -> Part:
         f"the best by less than {LIMITS[1]:g} could not be told from it.",
         planned,
     )
-    claim = Claim(
+    claim = PaperClaim(
         "What the beam model misses on the silicone beam, from six readings of three loads",
         "not given",
         _short(answer),

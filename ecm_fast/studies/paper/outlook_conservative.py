@@ -12,7 +12,7 @@ from ...models.finite_element import FiniteElementModel
 from ...models.polynomial.multivariate import monomials
 from ...pages.page import Picture, Section, Table
 from ...pages.plots import COLORS, canvas
-from .claims import COMPONENTS, Claim, Part, verdict
+from .claims import COMPONENTS, PaperClaim, Part, verdict
 from .fig5_polynomial import draw
 
 __all__ = ["coefficient_count", "kinds"]
@@ -70,20 +70,20 @@ def _rms(preset: str, seed: int, draws: int, n: int, tests: int) -> dict[tuple[s
     }
 
 
-def _claims(preset: str, found: _Found) -> list[Claim]:
+def _claims(preset: str, found: _Found) -> list[PaperClaim]:
     loss = found["conservative", 3] / found["free", 3]
     change = found["conservative", 4] / found["free", 3]
     few, many = coefficient_count("conservative", 3), coefficient_count("free", 3)
     most = coefficient_count("conservative", 4)
     return [
-        Claim(
+        PaperClaim(
             f"Conclusion, preset {preset}: at degree 3 an energy of {few} coefficients is as good as the {many} of the "
             "free polynomial, every rms error within 10 %",
             "would benefit",
             f"errors times {_factors(loss)}",
             verdict(float(loss.max()), _SAME, f"errors times {_factors(loss)}"),
         ),
-        Claim(
+        PaperClaim(
             f"Conclusion, preset {preset}: with about as many coefficients, {most} against {many}, an energy is the "
             "more accurate one in every component",
             "would benefit",

@@ -14,7 +14,7 @@ from ...models.polynomial.training import TrainingSet, relative_errors, tip_wren
 from ...pages.page import Picture, Section, Table
 from ...pages.plots import COLORS, canvas, random_tendon_forces
 from ...testbed import Sensors, measure, tendon_test
-from .claims import COMPONENTS, DEG, MM, NOT_GIVEN, SIMULATED, Claim, Part, shown, verdict
+from .claims import COMPONENTS, DEG, MM, NOT_GIVEN, SIMULATED, PaperClaim, Part, shown, verdict
 
 __all__ = ["forward_errors", "inverse_errors", "trained"]
 
@@ -91,13 +91,13 @@ def forward_errors(preset: str, seed: int, n: int, tests: int) -> _Forward:
     return found
 
 
-def _claims(preset: str, inverse: _Inverse) -> list[Claim]:
+def _claims(preset: str, inverse: _Inverse) -> list[PaperClaim]:
     claims = []
     for neck in NECKS:
         ratio = inverse[neck, _MEASURED][_TENDONS] / inverse[neck, _MODEL][_TENDONS]
         factors = ", ".join(f"{name} {factor:.3g}" for name, factor in zip(_NAMES, ratio, strict=True))
         claims.append(
-            Claim(
+            PaperClaim(
                 f"Section 4.3, preset {preset}, neck {neck} (simulated): training on measured poses makes the "
                 "polynomial more accurate under tendons in every component",
                 "increases the accuracy",
@@ -108,12 +108,12 @@ def _claims(preset: str, inverse: _Inverse) -> list[Claim]:
     return claims
 
 
-def _forward(preset: str, forward: _Forward) -> Claim:
+def _forward(preset: str, forward: _Forward) -> PaperClaim:
     _, largest = forward["tendons", 3]
     length = Mechanism.preset(preset).beam.length
     error = float((largest / [length, length, 1.0]).max())
     x, z, theta = largest * [MM, MM, DEG]
-    return Claim(
+    return PaperClaim(
         f"Beyond the paper, preset {preset}: a cubic polynomial from tendon forces to the pose is within 1 % of the "
         "length and 0.01 rad at every new load",
         NOT_GIVEN,

@@ -18,7 +18,7 @@ from ...models.polynomial.model import PolynomialModel
 from ...models.polynomial.training import relative_errors, tip_wrenches, training_poses
 from ...pages.page import Picture, Section, Table
 from ...pages.plots import COLORS, FAINT, MINUS, canvas, random_tendon_forces
-from .claims import COMPONENTS, MM, NOT_GIVEN, Claim, Part, by_channel, by_component, shown, verdict
+from .claims import COMPONENTS, MM, NOT_GIVEN, PaperClaim, Part, by_channel, by_component, shown, verdict
 
 __all__ = ["buckling", "holding", "pose_alone"]
 
@@ -40,7 +40,7 @@ _NAMES = ("fx", "fz", "τ")
 
 def pose_alone(seed: int = 0, n: int = 300, pushes: int = 61) -> Part:
     """Hold the tip of changed necks at `n` poses that tendons reach, and push a slender one past its buckling load."""
-    claims: list[Claim] = []
+    claims: list[PaperClaim] = []
     rows: list[tuple[str | float | None, ...]] = []
     numbers: dict[str, Any] = {}
     pictures = []
@@ -117,13 +117,13 @@ def buckling(neck: Mechanism, *, held: bool) -> tuple[float, float]:
     return force(stretch), 1.0 - stretch
 
 
-def _claim(preset: str, name: str, off: Array, extent: Array) -> Claim:
+def _claim(preset: str, name: str, off: Array, extent: Array) -> PaperClaim:
     share = np.abs(off).max(axis=0) / extent
     largest = ", ".join(
         f"{component} {value:.3g} {unit} ({part:.2%})"
         for component, unit, value, part in zip(_NAMES, ("N", "N", "N m"), np.abs(off).max(axis=0), share, strict=True)
     )
-    return Claim(
+    return PaperClaim(
         f"Section 4.3, preset {preset}, {name}: the pose alone still fixes the wrench to 1 % of its range",
         "to be investigated",
         f"largest change {largest}",
@@ -131,11 +131,11 @@ def _claim(preset: str, name: str, off: Array, extent: Array) -> Claim:
     )
 
 
-def _unique(preset: str, poses: Array) -> Claim:
+def _unique(preset: str, poses: Array) -> PaperClaim:
     neck = Mechanism.preset(preset)
     force, shortening = buckling(neck, held=True)
     reached = 1.0 - float(poses[:, 0].min()) / neck.beam.length
-    return Claim(
+    return PaperClaim(
         f"Section 4.3, preset {preset}: along the axis, no pose of the workspace has a second wrench",
         NOT_GIVEN,
         f"a held neck buckles at {shortening:.1%} shortening under {force:.0f} N; the workspace ends at {reached:.1%}",
@@ -143,10 +143,10 @@ def _unique(preset: str, poses: Array) -> Claim:
     )
 
 
-def _two_poses(branches: Mapping[str, Array], critical: float) -> Claim:
+def _two_poses(branches: Mapping[str, Array], critical: float) -> PaperClaim:
     last = branches["fx_N"] == branches["fx_N"].min()
     apart = float(np.ptp(branches["z_m"][last])) * MM
-    return Claim(
+    return PaperClaim(
         "Section 4.3, preset slender without weights: one wrench has one pose within the paper's box, fx to -330 N",
         NOT_GIVEN,
         f"beyond {critical:.0f} N there are two, {shown(apart, '.0f')} mm apart at {_PUSH:.0f} N",

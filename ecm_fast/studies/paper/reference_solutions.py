@@ -11,7 +11,7 @@ from ...mechanism.vector import pack
 from ...models.finite_element import FiniteElementModel
 from ...pages.page import Section, Table
 from ...pages.plots import random_tendon_forces
-from .claims import CHANNELS, DEG, MM, Claim, Part, shown, verdict
+from .claims import CHANNELS, DEG, MM, PaperClaim, Part, shown, verdict
 
 __all__ = ["reference"]
 
@@ -33,14 +33,14 @@ def reference() -> Part:
     lengths = _lengths(known)
     default = (errors[_DEFAULT] / np.column_stack([lengths, lengths, np.ones_like(lengths)])).max()
     claims = (
-        Claim(
+        PaperClaim(
             f"The default, one element of order 5, meets all {len(known.loads)} solutions to 1e-6 of the length and "
             "1e-6 rad",
             "exact to 1e-11",
             f"largest error {shown(default, '.1e')}",
             verdict(float(default), _DEFAULT_BOUND, shown(default, ".1e")),
         ),
-        Claim(
+        PaperClaim(
             "The paper's 20 linear elements have no share in the errors of its Fig. 6: for tendon forces they leave "
             "less than a tenth of them",
             _percent(_FIG_6),

@@ -10,13 +10,13 @@ from ...data.measurements import Measurements
 from ...identification.identify import identify
 from ...mechanism.mechanism import Mechanism
 
-__all__ = ["Fit", "fitted"]
+__all__ = ["StiffnessFit", "fitted"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Fit:
+class StiffnessFit:
     """Parameters that meet measurements best.
 
     Attributes
@@ -40,7 +40,7 @@ def fitted(
     *,
     elements: int = 1,
     order: int = 5,
-) -> Fit:
+) -> StiffnessFit:
     """Return the parameters at which the model meets the measured channels best, by least squares (42).
 
     Parameters
@@ -52,4 +52,4 @@ def fitted(
     """
     found = identify(neck.replace(**start), data, list(start), channels=channels, elements=elements, order=order)
     std = np.array([estimate.std for estimate in found.parameters.values()])
-    return Fit(found.values, std, found.residual, float(np.sqrt(found.chi2 / found.used.sum())))
+    return StiffnessFit(found.values, std, found.residual, float(np.sqrt(found.chi2 / found.used.sum())))

@@ -14,8 +14,8 @@ from ...mechanism.mechanism import Mechanism
 from ...mechanism.sections import PRESETS
 from ...pages.page import Picture, Section, Table
 from ...pages.plots import COLORS, FAINT, canvas
-from .claims import MM, NOT_PUBLIC, SIMULATED, Claim, Part, by_channel, shown, verdict
-from .table1_fit import Fit, fitted
+from .claims import MM, NOT_PUBLIC, SIMULATED, PaperClaim, Part, by_channel, shown, verdict
+from .table1_fit import StiffnessFit, fitted
 
 __all__ = ["hooke_ratio", "table1"]
 
@@ -79,8 +79,8 @@ def table1(seed: int = 0) -> Part:
     return Part(tuple(claims), numbers, section)
 
 
-_Compressed = tuple[Mechanism, Measurements, dict[str, Fit]]
-_Sheared = dict[str, tuple[Measurements, dict[str, Fit]]]
+_Compressed = tuple[Mechanism, Measurements, dict[str, StiffnessFit]]
+_Sheared = dict[str, tuple[Measurements, dict[str, StiffnessFit]]]
 
 
 def _compression(length: int) -> _Compressed:
@@ -105,12 +105,12 @@ def _shear(preset: str) -> _Sheared:
     return found
 
 
-def _law_claims(compressed: Mapping[int, _Compressed]) -> list[Claim]:
+def _law_claims(compressed: Mapping[int, _Compressed]) -> list[PaperClaim]:
     ours, claims = hooke_ratio(), []
     for length, (neo, hooke) in _COMPRESSED.items():
         off = ours / (hooke / neo) - 1.0
         claims.append(
-            Claim(
+            PaperClaim(
                 f"Table 1, {length} mm: EA by Hooke's law over EA by the neo-Hookean law, within 0.5 %",
                 f"{hooke / neo:.4f}",
                 f"{ours:.4f} on exact positions",
@@ -121,7 +121,7 @@ def _law_claims(compressed: Mapping[int, _Compressed]) -> list[Claim]:
         neo_fit, hooke_fit = laws["neo-hookean"], laws["hooke"]
         over = float(hooke_fit.value[0] / neo_fit.value[0])
         claims.append(
-            Claim(
+            PaperClaim(
                 f"Fig. 3 left, {length} mm (simulated): Hooke's law overestimates the stiffness and fits worse",
                 "much better by the neo-Hookean law",
                 f"EA {over:.3f} times; misfit {hooke_fit.rms:.2f} against {neo_fit.rms:.2f} of the noise",
@@ -131,15 +131,17 @@ def _law_claims(compressed: Mapping[int, _Compressed]) -> list[Claim]:
     return claims
 
 
-def _found_claims(compressed: Mapping[int, _Compressed], sheared: Mapping[str, _Sheared]) -> list[Claim]:
+def _found_claims(compressed: Mapping[int, _Compressed], sheared: Mapping[str, _Sheared]) -> list[PaperClaim]:
     claims = [
-        Claim(
+        PaperClaim(
             "Table 1: EA, GA and EI of the real neck and its specimens",
             "EA 7448.94, 7591.09 N; GA 2405, 2422 N; EI 2.993, 3.003 N m^2",
             "nothing to fit them to",
             NOT_PUBLIC,
         ),
-        Claim("Fig. 3 right: errors of the shear test", "a curve without numbers", _shear_rms(sheared), NOT_PUBLIC),
+        PaperClaim(
+            "Fig. 3 right: errors of the shear test", "a curve without numbers", _shear_rms(sheared), NOT_PUBLIC
+        ),
     ]
     for length, (truth, _, laws) in compressed.items():
         fit = laws["neo-hookean"]
@@ -156,8 +158,8 @@ def _found_claims(compressed: Mapping[int, _Compressed], sheared: Mapping[str, _
     return claims
 
 
-def _found(what: str, known: str, form: str, fit: Fit, off: float) -> Claim:
-    return Claim(
+def _found(what: str, known: str, form: str, fit: StiffnessFit, off: float) -> PaperClaim:
+    return PaperClaim(
         f"Table 1 (simulated): {what}: found again within {_SIGMAS:g} standard deviations",
         f"{known}, built in",
         form.format(*np.column_stack([fit.value, fit.std]).ravel()),
@@ -174,14 +176,14 @@ def _shear_rms(sheared: Mapping[str, _Sheared]) -> str:
     return "; ".join(parts)
 
 
-def _division_claim(sheared: Mapping[str, _Sheared]) -> Claim:
+def _division_claim(sheared: Mapping[str, _Sheared]) -> PaperClaim:
     default, paper = "default", "20 linear elements"
     shifts = {
         preset: max(float(np.abs(fits[paper].value / fits[default].value - 1.0).max()) for _, fits in sessions.values())
         for preset, sessions in sheared.items()
     }
     largest = max(shifts.values())
-    return Claim(
+    return PaperClaim(
         "Section 2.4: 20 linear elements suffice to identify GA and EI, within 0.5 %",
         "20 elements",
         "; ".join(f"{preset}: shifted by {shift:.2%}" for preset, shift in shifts.items()),
@@ -189,7 +191,7 @@ def _division_claim(sheared: Mapping[str, _Sheared]) -> Claim:
     )
 
 
-def _numbers(names: Sequence[str], fit: Fit) -> dict[str, Any]:
+def _numbers(names: Sequence[str], fit: StiffnessFit) -> dict[str, Any]:
     values = {name: {"value": fit.value[i], "std": fit.std[i]} for i, name in enumerate(names)}
     return {**values, "rms_of_noise": fit.rms}
 
@@ -240,7 +242,7 @@ def _stress_picture(compressed: Mapping[int, _Compressed]) -> Picture:
     return Picture("table1_stress", caption, figure, columns)
 
 
-def _curves(strain: Array, laws: Mapping[str, Fit]) -> dict[str, Array]:
+def _curves(strain: Array, laws: Mapping[str, StiffnessFit]) -> dict[str, Array]:
     """Return the compressive stress [Pa] of both laws (19) at shortenings."""
     stretch, neo, hooke = 1.0 - strain, laws["neo-hookean"].value[0], laws["hooke"].value[0]
     return {"neo-hookean": neo / 3.0 * (stretch**-2 - stretch) / _AREA, "hooke": hooke * strain / _AREA}

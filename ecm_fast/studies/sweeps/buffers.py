@@ -10,12 +10,12 @@ from numpy.typing import DTypeLike, NDArray
 
 from ...models.finite_element import FiniteElementModel
 
-__all__ = ["Room", "own_room"]
+__all__ = ["ScratchBuffers", "own_room"]
 
 _OWN = threading.local()
 
 
-class Room:
+class ScratchBuffers:
     """Arrays by name, made when first asked for; and the model of a sweep, of which each thread needs its own."""
 
     def __init__(self) -> None:
@@ -40,9 +40,9 @@ class Room:
         return f"Room({', '.join(self._memory)}; {sum(map(len, self._memory.values()))} bytes)"
 
 
-def own_room() -> Room:
+def own_room() -> ScratchBuffers:
     """Return the calling thread's own."""
-    room: Room | None = getattr(_OWN, "room", None)
+    room: ScratchBuffers | None = getattr(_OWN, "room", None)
     if room is None:
-        room = _OWN.room = Room()
+        room = _OWN.room = ScratchBuffers()
     return room

@@ -12,7 +12,7 @@ from ...mechanism.parameters import index, size
 from ...mechanism.vector import pack
 from ...models.equilibrium import BatchResult
 from ...models.finite_element import FiniteElementModel
-from .buffers import Room
+from .buffers import ScratchBuffers
 from .sampling import cases
 from .spec import LOADS, SweepSpec
 
@@ -41,12 +41,12 @@ def spec_of(text: str) -> SweepSpec:
     return SweepSpec.of_text(text)
 
 
-def solve(spec: SweepSpec, number: int, room: Room | None = None, *, stride: int = 1) -> Solved:
+def solve(spec: SweepSpec, number: int, room: ScratchBuffers | None = None, *, stride: int = 1) -> Solved:
     """Solve the cases of the chunk `number`, on the calling thread; or every so many of them.
 
     room : where they may lie until it is given to another chunk; none: new memory
     """
-    room = Room() if room is None else room
+    room = ScratchBuffers() if room is None else room
     drawn = cases(spec, number, room.array("inputs", len(spec.varied), spec.chunk))
     inputs = {entry.name: own[::stride] for entry, own in zip(spec.varied, drawn, strict=True)}
     rows = -(-spec.rows(number) // stride)
@@ -78,7 +78,7 @@ def _together(columns: list[float | Array], values: Array) -> Array:
     return values
 
 
-def _result(room: Room, rows: int) -> BatchResult:
+def _result(room: ScratchBuffers, rows: int) -> BatchResult:
     x, z, theta, factor = (room.array(name, rows) for name in ("x", "z", "theta", "load_factor"))
     return BatchResult(x, z, theta, room.array("status", rows, dtype=np.int64), factor)
 

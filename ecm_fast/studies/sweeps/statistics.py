@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...models.equilibrium import Status
 from ._tally import tally
-from .buffers import Room
+from .buffers import ScratchBuffers
 from .chunk import Solved, solve
 from .rows_file import failures
 from .spec import OUTPUTS, SweepSpec, column
@@ -121,7 +121,7 @@ class Tally:
         return f"Tally({sum(self.statuses.values())} cases, {self.statuses['converged']} stable)"
 
 
-def tally_of(spec: SweepSpec, number: int, ranges: Mapping[str, tuple[float, float]], room: Room) -> Tally:
+def tally_of(spec: SweepSpec, number: int, ranges: Mapping[str, tuple[float, float]], room: ScratchBuffers) -> Tally:
     """Return the statistics of the chunk `number`, whose cases are solved in a room."""
     solved = solve(spec, number, room)
     found = Tally.empty(spec, ranges)
@@ -149,7 +149,7 @@ def pilot(spec: SweepSpec) -> dict[str, tuple[float, float]]:
     if not missing:
         return ranges
     numbers = sorted({round(share * (spec.chunks - 1)) for share in np.linspace(0.0, 1.0, 4)})
-    stride, room = max(1, len(numbers) * spec.rows(0) // _PILOT), Room()
+    stride, room = max(1, len(numbers) * spec.rows(0) // _PILOT), ScratchBuffers()
     stable: dict[str, list[NDArray[np.float64]]] = {name: [] for name in missing}
     for number in numbers:
         part = solve(spec, number, room, stride=stride)

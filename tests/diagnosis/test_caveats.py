@@ -3,8 +3,7 @@
 import pytest
 
 from ecm_fast import Mechanism, diagnose
-from ecm_fast.diagnosis.answer.alarms import _away
-from ecm_fast.diagnosis.answer.caveats import size_doubts, stiffness_doubts
+from ecm_fast.diagnosis.answer.caveats import _away, size_caveats, stiffness_caveats
 from ecm_fast.diagnosis.results.findings import Claim
 from ecm_fast.identification.result import Estimate
 from ecm_fast.mechanism.parameters import find
@@ -21,13 +20,13 @@ def calibrated(**changes):
 
 
 def test_a_stiffness_that_is_known_raises_no_doubt() -> None:
-    assert stiffness_doubts(calibrated(), NECK) == ()
-    assert stiffness_doubts(calibrated(GA=(1.2 * NECK.beam.GA, 0.14 * 1.2 * NECK.beam.GA)), NECK) == ()
-    assert stiffness_doubts(calibrated(EI=(1.02 * NECK.beam.EI, 0.001 * NECK.beam.EI)), NECK) == ()
+    assert stiffness_caveats(calibrated(), NECK) == ()
+    assert stiffness_caveats(calibrated(GA=(1.2 * NECK.beam.GA, 0.14 * 1.2 * NECK.beam.GA)), NECK) == ()
+    assert stiffness_caveats(calibrated(EI=(1.02 * NECK.beam.EI, 0.001 * NECK.beam.EI)), NECK) == ()
 
 
 def test_a_loose_stiffness_comes_with_its_number_the_file_and_the_cure() -> None:
-    (text,) = stiffness_doubts(calibrated(GA=(3291.48, 703.0)), NECK)
+    (text,) = stiffness_caveats(calibrated(GA=(3291.48, 703.0)), NECK)
     assert "GA to no better than 21%: 3291 +- 703 N" in text
     assert f"{NECK.beam.GA:.4g} N" in text
     assert "--prior GA VALUE STD" in text
@@ -35,7 +34,7 @@ def test_a_loose_stiffness_comes_with_its_number_the_file_and_the_cure() -> None
 
 
 def test_a_stiffness_far_from_the_file_is_said() -> None:
-    (text,) = stiffness_doubts(calibrated(EA=(0.9 * NECK.beam.EA, 0.01 * NECK.beam.EA)), NECK)
+    (text,) = stiffness_caveats(calibrated(EA=(0.9 * NECK.beam.EA, 0.01 * NECK.beam.EA)), NECK)
     assert "10 standard deviations (-10%)" in text
     data = measure(NECK.replace(EI=0.9 * NECK.beam.EI), tendon_test(grid=6, seed=2), seed=3)
     assert any("moves EI" in text and "(-10%)" in text for text in diagnose(NECK, data, max_effects=0).warnings)
@@ -70,6 +69,6 @@ def test_a_size_far_beyond_what_is_usual_is_said() -> None:
     def found(size):
         return [Claim("precurvature", {"precurvature": size}, {"precurvature": (size, size)}, (), "odd", "", 9.0, 1.0)]
 
-    (text,) = size_doubts(found(-1.0), NECK)
+    (text,) = size_caveats(found(-1.0), NECK)
     assert text.startswith("precurvature is 5 times as large as is typical")
-    assert size_doubts(found(0.7), NECK) == size_doubts(found(1.0), NECK.replace(precurvature=0.4)) == ()
+    assert size_caveats(found(0.7), NECK) == size_caveats(found(1.0), NECK.replace(precurvature=0.4)) == ()
