@@ -1,4 +1,4 @@
-"""What an effect of the catalogue costs where it leaves the fast path, and what a diagnosis costs.
+"""Cost of the effects that leave the fast path, and of a diagnosis.
 
     python3 tools/run.py pytest bench/bench_effects.py --benchmark-enable
 

@@ -1,4 +1,4 @@
-"""How much arithmetic a kernel does, and how much the processor can do: both counted, not assumed.
+"""Operation counts of a kernel, and the peak rate of the processor.
 
 The operations of a lane are counted in the machine code of a kernel: packed additions, multiplications, divisions and
 square roots count one, fused ones two; comparisons, maxima, blends and moves count nothing. Every packed instruction

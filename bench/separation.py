@@ -1,4 +1,4 @@
-"""How far what is hidden in simulated poses is from everything that could be taken for it."""
+"""Separation of a hidden effect from every explanation that could be taken for it."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace

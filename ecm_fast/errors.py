@@ -1,4 +1,4 @@
-"""The exceptions of the package, and what each one means for the caller.
+"""The exceptions of the package.
 
     EcmError
     ├── InputError      what came in cannot be right: names the place, the value and what is allowed

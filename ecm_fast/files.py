@@ -1,4 +1,4 @@
-"""Write a file whole or not at all; tables as text, values as JSON can hold them."""
+"""Atomic file writing, text tables, and JSON-compatible values."""
 
 import csv
 import errno

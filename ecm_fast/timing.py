@@ -1,4 +1,4 @@
-"""Measuring time: short repetitions of all ways in turn, the shortest counts, beside a call that does nothing.
+"""Timing: short repetitions of all alternatives in turn, the minimum of each, less an empty call.
 
 Other work on a machine, and the clock of its processor, change times by a factor of two within seconds. What is
 compared is therefore measured in turn (A, B, A, B) within one run, in repetitions too short to be interrupted often;

@@ -1,4 +1,4 @@
-"""What several test files need: the reader of the tables in `tests/tables`, and interrupts that arrive."""
+"""Shared fixtures: the reader of the tables in `tests/tables`; interrupts in background jobs."""
 
 import csv
 import signal

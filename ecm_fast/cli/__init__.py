@@ -1,4 +1,4 @@
-"""The command line: arguments, one call, one answer. No numerics. One file a command.
+"""The command line: arguments in, one call of the library, one answer out. One file a command.
 
 The answer goes to stdout, with ``--json`` as exactly one JSON object; all else (notes, progress, errors) goes to
 stderr. Nothing but the standard library is imported before a command runs: help, version and complaints about

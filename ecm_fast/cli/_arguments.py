@@ -1,4 +1,4 @@
-"""From words to arguments: argparse, but every complaint is one line, and no option is guessed."""
+"""The argument parser: argparse with one-line errors and without abbreviated options."""
 
 import argparse
 import math

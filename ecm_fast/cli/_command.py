@@ -1,4 +1,4 @@
-"""What a command is and what it answers."""
+"""The types shared by all commands: a command and its answer."""
 
 import argparse
 import json

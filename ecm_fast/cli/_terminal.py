@@ -1,4 +1,4 @@
-"""Writing to stdout and stderr."""
+"""Output to stdout and stderr."""
 
 import os
 import shutil

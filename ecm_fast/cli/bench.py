@@ -1,4 +1,4 @@
-"""``ecm-fast bench``: how long a solve takes on this machine, model by model, the paper's Fig. 7."""
+"""``ecm-fast bench``: solve times of all models on this machine, as in the paper's Fig. 7."""
 
 import argparse
 

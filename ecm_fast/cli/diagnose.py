@@ -1,4 +1,4 @@
-"""``ecm-fast diagnose`` and ``ecm-fast plan``: what the model is missing, and what loads could tell of it."""
+"""``ecm-fast diagnose`` and ``ecm-fast plan``: the missing effect, and the effects that given loads can show."""
 
 import argparse
 from functools import partial

@@ -1,4 +1,4 @@
-"""``ecm-fast effects``: the catalogue, and how it shows on a mechanism."""
+"""``ecm-fast effects``: the catalogue of effects, and their size on a mechanism."""
 
 import argparse
 from collections.abc import Mapping

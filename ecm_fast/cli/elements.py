@@ -1,4 +1,4 @@
-"""``ecm-fast elements``: how few elements suffice, and of which kind."""
+"""``ecm-fast elements``: the smallest number of elements that keeps a tolerance."""
 
 import argparse
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""``ecm-fast hide``: sealed measurements, to try a diagnosis on."""
+"""``ecm-fast hide``: simulated measurements with a hidden effect, to test a diagnosis."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""``ecm-fast identify``: the parameters at which the model meets measurements best."""
+"""``ecm-fast identify``: parameters fitted to measurements."""
 
 import argparse
 from typing import TYPE_CHECKING, Any

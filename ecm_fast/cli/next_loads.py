@@ -1,4 +1,4 @@
-"""``ecm-fast next``: which loads to measure next so that look-alikes come apart."""
+"""``ecm-fast next``: the loads to measure next to separate look-alikes."""
 
 import argparse
 import json

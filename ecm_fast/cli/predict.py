@@ -1,4 +1,4 @@
-"""``ecm-fast predict``: what the instruments would read, for every row of a data file."""
+"""``ecm-fast predict``: predicted readings for every row of a data file."""
 
 import argparse
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""``ecm-fast reproduce``: the paper's results, and which of its claims hold."""
+"""``ecm-fast reproduce``: the paper's results, and a verdict for each of its claims."""
 
 import argparse
 

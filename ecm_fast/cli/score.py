@@ -1,4 +1,4 @@
-"""``ecm-fast score``: how good an answer about sealed measurements is."""
+"""``ecm-fast score``: the grade of an answer about sealed measurements."""
 
 import argparse
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""``ecm-fast sweep``: many cases, kept in files; stopped and called again it goes on."""
+"""``ecm-fast sweep``: many cases, written to files; an interrupted sweep can be resumed."""
 
 import argparse
 import sys

@@ -1,4 +1,4 @@
-"""``ecm-fast view``: the neck, live, on a page of this machine."""
+"""``ecm-fast view``: an interactive page of the neck, served on this machine."""
 
 import argparse
 import signal

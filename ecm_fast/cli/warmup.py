@@ -1,4 +1,4 @@
-"""``ecm-fast warmup``: compile every kernel now, so that nobody waits for it later."""
+"""``ecm-fast warmup``: compilation of every kernel in advance."""
 
 import argparse
 from dataclasses import asdict

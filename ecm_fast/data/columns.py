@@ -1,4 +1,4 @@
-"""The columns a measurement file may have: the one place where each is declared, with its units and its rules."""
+"""The columns of a measurement file, each with its units and rules."""
 
 import math
 import re

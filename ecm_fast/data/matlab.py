@@ -1,4 +1,4 @@
-"""MATLAB files of level 5 (``save -v6``, ``-v7``): vectors, text, cell arrays, structs.
+"""Reader of MATLAB files of level 5 (``save -v6``, ``-v7``): vectors, text, cell arrays, structs.
 
 Read here and not by scipy, whose compiled reader ends the whole process with a segmentation fault when an
 uncompressed file is damaged (1.17: an unknown type number is looked up unchecked). Whatever the bytes, this one

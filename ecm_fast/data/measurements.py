@@ -1,4 +1,4 @@
-"""Measurements: loads and poses row by row, in SI, checked once, in the order in which they were taken."""
+"""Measurements: loads and poses row by row, in SI units, in the order in which they were taken."""
 
 import math
 import os

@@ -1,4 +1,4 @@
-"""Measurement files as tables of bare cells: CSV, Parquet, MATLAB. What a cell means is decided by `data_columns`."""
+"""Readers of CSV, Parquet and MATLAB files: tables of bare cells, which `columns` interprets."""
 
 import csv
 import importlib

@@ -1,4 +1,4 @@
-"""Finding what the model is missing: where it disagrees with measurements, which effect that is, and the proof."""
+"""Diagnosis of a model from measurements: which physical effect is missing, and the evidence for it."""
 
 from .results.diagnosis import (
     Claim,

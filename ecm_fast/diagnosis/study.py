@@ -1,4 +1,4 @@
-"""A study: a mechanism, its measurements and what is known about both; what it can tell, and what is missing."""
+"""A study: a mechanism and its measurements, from the checks to the diagnosis and the page."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence

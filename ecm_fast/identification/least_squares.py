@@ -1,4 +1,4 @@
-"""Nonlinear least squares with bounds, where one call gives residuals and their exact derivatives.
+"""Bounded nonlinear least squares for a function that returns residuals with exact derivatives.
 
 Levenberg and Marquardt's method on the normal equations: they are a few numbers however many rows there are, and the
 model's solves, not this arithmetic, are what a fit costs.

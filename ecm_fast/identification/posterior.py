@@ -1,4 +1,4 @@
-"""What measurements leave possible: samples of parameters from their posterior, every step a batch of solves."""
+"""Posterior samples of parameters, each step of the sampler one batch of solves."""
 
 import warnings
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""What a fit found: values with intervals, what they rest on, and warnings in words."""
+"""The result of a fit: values with intervals, the source of the noise, warnings."""
 
 import math
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""What a fit sees of measurements: the rows of several experiments as one system, and how noisy each reading is."""
+"""The rows of a fit: several experiments as one system, and the noise of each reading."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What a fit should make one doubt, in words, each with its number."""
+"""Warnings of a fit, each with its number."""
 
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The one decorator of every kernel, its flags and why, and where compiled kernels are kept.
+"""The decorator of every kernel: its compiler flags, and the folder of compiled kernels.
 
 Flags
 -----

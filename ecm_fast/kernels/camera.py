@@ -1,4 +1,4 @@
-"""What a camera makes of the pose of Q: the effects of `effects.camera`, and their derivatives."""
+"""The camera's reading of the tip pose: the effects of `mechanism.catalogue.camera`, with derivatives."""
 
 from ..mechanism.parameters import PLACES as P
 from ._jit import kernel

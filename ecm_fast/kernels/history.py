@@ -1,4 +1,4 @@
-"""What a row inherits from the rows before it; `history` states the laws."""
+"""Quantities that a row inherits from the rows before it: friction, memory, drift."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What the flat arrays of the kernels hold, column by column. No code.
+"""The layout of the kernels' flat arrays, column by column.
 
 loads (6,)      what acts, in the order of `L_*`
 stations (n, S) one row per Gauss point: the section there, premultiplied (`S_*`)

@@ -1,4 +1,4 @@
-"""Three polynomials in two or three variables: what the kernels `polynomial1` to `polynomial6` take, one file a degree.
+"""Three polynomials in two or three variables: common declarations of the kernels of each degree.
 
 con (k + 3 m,) : the center, k numbers; then for each of the three outputs its m coefficients, in the order of
     `exponents`. The variables are taken from the center on, so that a narrow range far from zero costs no digits.

@@ -1,4 +1,4 @@
-"""From the parameter vector to the constants of a solve.
+"""Constants of a solve, computed from the parameter vector.
 
 Everything that does not change while Newton iterates is done here, once per mechanism: geometry, materials along
 the beam, weights, and every effect that only alters those. Such an effect costs a solve nothing.

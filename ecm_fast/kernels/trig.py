@@ -1,4 +1,4 @@
-"""Sine and cosine of one angle, together and as plain arithmetic: no call into a library, real or complex."""
+"""Sine and cosine of one angle as plain arithmetic, real or complex, without a library call."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Laws of effects that a user adds at run time, see `user_effects`: called by address, differentiated here.
+"""User-defined laws: called by address, differentiated here.
 
 A law is given the values of all user effects and three coordinates (strains, or the head's pose), and at a section its
 place; it returns three forces. It is compiled for complex numbers: for real ones the complex step gives the tangent,

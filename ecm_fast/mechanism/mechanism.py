@@ -1,4 +1,4 @@
-"""What is built: beam, head, tendons, gravity, effects. SI units and radians, checked once, then frozen."""
+"""The mechanism: beam, head, tendons, gravity, effects; SI units and radians, validated, immutable."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,4 +1,4 @@
-"""One number of the mechanism: its name, unit, meaning, bounds and where its value comes from."""
+"""One parameter of the mechanism: name, unit, meaning, bounds and source."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Mechanism files: TOML, SI, radians; every key optional; what it cannot be is said in one line."""
+"""Mechanism files in TOML, in SI units and radians, with every key optional."""
 
 import os
 import tomllib

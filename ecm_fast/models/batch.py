@@ -1,4 +1,4 @@
-"""Many cases: on the fast path where it applies, the rest by the robust solver, on as many threads as asked for."""
+"""Batches of cases: the condensed path where it applies, the general path for the rest, in threads."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""What a solve returns: the pose, the verdict, and the evidence for it."""
+"""The result of one solve: pose, status, and convergence data."""
 
 from dataclasses import dataclass, field
 from enum import IntEnum

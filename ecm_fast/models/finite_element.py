@@ -1,4 +1,4 @@
-"""The finite element model of a mechanism: a thin shell over the kernels."""
+"""The finite element model of a mechanism."""
 
 from collections.abc import Sequence
 from functools import cached_property

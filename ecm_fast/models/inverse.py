@@ -1,4 +1,4 @@
-"""Tendon forces for a wish: two of tip position, tip angle and co-contraction, with tendons that only pull."""
+"""Tendon forces for a wanted pose: two of tip position, tip angle and co-contraction."""
 
 from collections.abc import Callable, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a model is asked, checked once: loads, parameter vectors, tolerances."""
+"""Validation of a model's inputs: loads, parameter vectors, tolerances."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

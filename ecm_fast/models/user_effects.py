@@ -1,4 +1,4 @@
-"""Effects of the user's own: a law in ten lines, added while the program runs, beside those of the catalogue.
+"""User-defined effects: a law in a few lines, added at run time.
 
 >>> import numpy as np
 >>> import ecm_fast as ecm

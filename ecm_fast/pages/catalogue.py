@@ -1,4 +1,4 @@
-"""One page about the catalogue: each effect with its law, how it shows on a mechanism, and what looks like it."""
+"""The page of the catalogue: each effect with its law, signature and look-alikes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pages: one self-contained HTML file with inline pictures, and beside it the numbers of every picture as CSV.
+"""HTML pages with inline figures, and the numbers of every figure as CSV.
 
 A page holds no script and asks no other host for anything; its Content-Security-Policy says so to the browser.
 Matplotlib and jinja2 are optional and imported when the first page is written.

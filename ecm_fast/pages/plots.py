@@ -1,4 +1,4 @@
-"""Pictures: the neck as it stands, where its tip can go, how predictions meet measurements, how long solves take.
+"""Figures: the deformed neck, its workspace, predictions against measurements, solve times.
 
 Every function returns a matplotlib figure of its own, without pyplot and its global state. Matplotlib is optional and
 imported when the first picture is drawn.

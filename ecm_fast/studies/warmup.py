@@ -1,4 +1,4 @@
-"""Compile and keep every kernel that a user meets, before it is met.
+"""Compilation and caching of every kernel in advance.
 
 A kernel is compiled when it is first called with arguments of a kind. What is called here, and with what, is one list,
 `_for_order` and the functions below it: to add a way in, give it a line there.

@@ -1,4 +1,4 @@
-"""A simulated test bed: what a real neck would let one measure, made by another method than the model's.
+"""The simulated test bed: measurements of a neck, computed by another method than the model's.
 
 The beam's differential equations are integrated with all rows at once, and instruments read the result. Nothing here
 is shared with the finite element model, so a model may be tested on these measurements.

@@ -1,4 +1,4 @@
-"""What a camera without noise makes of poses: the marker's place, the picture, the camera's frame."""
+"""A noise-free camera: marker position, picture and camera frame."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Designs: which experiments are done on one neck, named by letters joined with ``+``, such as ``T+S``."""
+"""Experimental designs: sets of experiments on one neck, named by letters joined with ``+``, such as ``T+S``."""
 
 from collections.abc import Callable, Mapping
 

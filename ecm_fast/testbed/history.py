@@ -1,4 +1,4 @@
-"""What every row inherits from the rows before it, and the laws that need it.
+"""The state that a row inherits from the rows before it, and the laws that need it.
 
 A history begins where the session or the experiment differs from the row before. Before its first row the neck stood
 straight and was never loaded. Angles and tendons are those of the same mechanism without any memory or friction.

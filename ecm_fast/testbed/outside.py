@@ -1,4 +1,4 @@
-"""Effects that no catalogue knows: what a diagnosis must not give a wrong name to.
+"""Effects outside the catalogue, which a diagnosis must not give a wrong name.
 
 Only the test bed has them, and no mechanism can. Each is one size, 0 when absent, and one law here.
 """

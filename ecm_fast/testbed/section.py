@@ -1,4 +1,4 @@
-"""The beam's section: how stiff it is along the beam, and what it answers to strains.
+"""The cross-section of the test bed: stiffness along the beam, and the section law.
 
 The energy of a section per undeformed length, with g = gamma_x + e kappa, where e is the neutral axis offset, and u the
 curvature less that of the beam as it was cast, is

@@ -1,4 +1,4 @@
-"""The instruments: what a camera and two force cells make of the truth, errors included."""
+"""The instruments of the test bed: a camera and two force cells with their errors."""
 
 import math
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""What is written and how it is proven: dimensions within their tolerances, and the gap stage by stage."""
+"""The mechanism written by a diagnosis, and its proof: tolerances of dimensions, hold-out error by stage."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Calibrations that must not be taken at their word, each made by hand."""
+"""Caveats: calibrations that contradict the material, each made by hand."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Each fault is made by hand in simulated data of a known neck; nothing is said of data that have none."""
+"""Checks of measurements: each fault is made by hand in simulated data; clean data give no finding."""
 
 import numpy as np
 import pytest

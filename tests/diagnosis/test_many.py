@@ -1,4 +1,4 @@
-"""Thousands of rows: a share of them is searched, all of them decide; and what those who wait are told."""
+"""Large data sets: a share of the rows is searched, all rows decide; progress reports."""
 
 import io
 import json

@@ -1,4 +1,4 @@
-"""Promises of the next experiment against brute force: the rival is refitted in full to poses of the true one."""
+"""The next experiment against brute force: the rival is refitted in full to poses of the true one."""
 
 from dataclasses import replace
 from itertools import permutations

@@ -1,4 +1,4 @@
-"""The whole diagnosis: effects hidden by the test bed, named by the model, proven on rows that nothing has seen."""
+"""The whole diagnosis: effects hidden by the test bed, named by the model, proven on hold-out rows."""
 
 import json
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Experiments that were never fitted: a right name carries over to them, a wrong one is told to the reader first."""
+"""External validation: a right name carries over to other experiments, a wrong one is reported."""
 
 import json
 from dataclasses import replace

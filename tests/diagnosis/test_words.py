@@ -1,4 +1,4 @@
-"""What a reader is told of a claim, made by hand."""
+"""The text of a claim, for claims made by hand."""
 
 import math
 from dataclasses import replace

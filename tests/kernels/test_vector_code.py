@@ -1,4 +1,4 @@
-"""What the compiler makes of the kernels: vector arithmetic without calls, and the same digits on a plainer machine.
+"""Vectorization: vector arithmetic without calls, and the same digits on a plainer machine.
 
 Kernels that come from the cache show no assembly, so each look is a process of its own without a cache.
 """

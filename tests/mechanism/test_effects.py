@@ -1,4 +1,4 @@
-"""What every effect of the catalogue must be: absent at zero, exactly differentiated, of its mirror class."""
+"""Effects of the catalogue: absent at zero, exactly differentiated, of their mirror class."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Hostile input: whatever comes in, the answer is right, or says why there is none, in one line and in bounded work."""
+"""Hostile input: a right answer, or one line of error, in bounded work."""
 
 import contextlib
 import io

@@ -1,4 +1,4 @@
-"""Wishes and the tendon forces that meet them: every answer is put back through the model."""
+"""The inverse problem: every answer is put back through the model."""
 
 import numpy as np
 import pytest

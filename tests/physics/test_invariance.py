@@ -1,4 +1,4 @@
-"""What must not depend on how a problem is posed: frame, side, units, step of a derivative, place in the beam."""
+"""Invariance: frame, side, units, step of a derivative, position along the beam."""
 
 import numpy as np
 import pytest

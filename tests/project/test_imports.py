@@ -1,4 +1,4 @@
-"""What an import may cost: nothing loads the compiler, SciPy or a plotting library before it is needed."""
+"""Imports: their direction, and their cost."""
 
 import ast
 import json

@@ -1,4 +1,4 @@
-"""What the README shows works as it stands there."""
+"""Code blocks and commands of the README and of the pages beside the code."""
 
 import re
 import shlex

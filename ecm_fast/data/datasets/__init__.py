@@ -1,4 +1,4 @@
-"""Data that ship with the package: other people's measurements, simulated ones, and solutions made by another method.
+"""Bundled data sets: published measurements, simulated measurements, and solutions by another method.
 
 The measurements are figures published by others, each file citing its source; nothing in a mechanism file was fitted
 unless that file says so. What is called ``simulated_...`` nobody measured: the test bed of `ecm_fast.testbed` made it,

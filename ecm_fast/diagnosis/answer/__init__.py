@@ -1,1 +1,1 @@
-"""The answer in words: claims, sentences, caveats."""
+"""The answer of a diagnosis in words: claims, sentences, caveats."""

@@ -1,4 +1,4 @@
-"""What to know beside an answer: stiffnesses in doubt, a second name that no test asks for, sizes beyond the usual."""
+"""Caveats of an answer: doubtful stiffnesses, an untested second name, unusual sizes."""
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 

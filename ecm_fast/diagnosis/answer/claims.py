@@ -1,4 +1,4 @@
-"""From fits to names: each with its size, interval, look-alikes and chance."""
+"""Claims: the effects named by a fit, each with size, interval, look-alikes and probability."""
 
 from collections.abc import Mapping
 

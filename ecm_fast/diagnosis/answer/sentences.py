@@ -1,4 +1,4 @@
-"""The answer in one plain sentence, and what to know before it is used."""
+"""The summary sentence of a diagnosis, and its cautions."""
 
 from collections.abc import Mapping, Sequence
 

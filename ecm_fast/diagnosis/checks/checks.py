@@ -1,4 +1,4 @@
-"""Data in the hands of others: what to notice, and to say in one line with its cure, before anything is fitted."""
+"""Checks of measurements before any fit, each a one-line finding with its cure."""
 
 from dataclasses import dataclass
 from typing import Any

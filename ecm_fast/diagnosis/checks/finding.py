@@ -1,4 +1,4 @@
-"""What is noticed about data before anything is fitted."""
+"""The record of one finding about measurements."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Rows to compare with each other: mirrored loads, one load reached from both sides, one load at different times."""
+"""Matched rows: mirrored loads, loads reached from both sides, one load at different times."""
 
 from itertools import combinations_with_replacement
 from typing import Any

@@ -1,4 +1,4 @@
-"""Tests that need no model: mirror images, loads reached from both sides, a load that is repeated later.
+"""Model-free tests: mirror symmetry, hysteresis, repeatability.
 
 A neck that is built as drawn looks the same in a mirror that exchanges its tendons: x stays, z and theta change sign.
 What breaks this rule has a name in the odd class of the catalogue, whatever the stiffnesses are. In the same way the

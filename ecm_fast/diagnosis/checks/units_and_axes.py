@@ -1,4 +1,4 @@
-"""What columns seem to hold: the unit, sign and origin with which measured poses meet the mechanism as it was drawn.
+"""Units, signs and origins of pose columns, estimated by comparison with the mechanism as given.
 
 No parameter is fitted. A wrong label moves poses by factors or by the size of the neck, far more than any effect of
 the catalogue, so the nominal mechanism is exact enough to tell.

@@ -1,4 +1,4 @@
-"""What loads can show of the catalogue: sizes that would be found, and names that would not be told apart."""
+"""Detectability of effects under given loads: minimum detectable sizes, and names that cannot be separated."""
 
 from dataclasses import replace
 from typing import Any

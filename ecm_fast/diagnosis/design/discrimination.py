@@ -1,4 +1,4 @@
-"""Rivals against each other: how far apart they are, and what each load that could be measured would add."""
+"""Discrimination between rival explanations: their separation, and the gain of each further load."""
 
 import functools
 from collections import Counter

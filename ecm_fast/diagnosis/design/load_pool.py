@@ -1,4 +1,4 @@
-"""What one may do next on the test bed: loads and add-ons that a measurement file can express, and what they cost."""
+"""The pool of further measurements: loads and add-ons that a measurement file can express, with their costs."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

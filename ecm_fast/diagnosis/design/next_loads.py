@@ -1,4 +1,4 @@
-"""The next experiment: which loads split a set of look-alikes, and by how many sigma.
+"""The next experiment: the loads that separate a set of look-alikes, and by how many sigma.
 
 Two explanations i and j, each fitted to what is there, are apart by what is left of the difference of their poses after
 the rival j has adapted everything that it may: d_ij^2 is the smallest weighted sum of squares of j where i is true. A

@@ -1,4 +1,4 @@
-"""Explanations that data cannot tell apart, each fitted together with what calibration may move."""
+"""Rival explanations: models that the data cannot separate, each fitted together with the calibration."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The names that a diagnosis may give: entries of the catalogue, as the measurements and the mechanism allow them."""
+"""Candidate effects: entries of the catalogue that the measurements and the mechanism allow."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The lock: rows that no step of a diagnosis sees before its end."""
+"""The hold-out split: rows that no step of a diagnosis sees before its end."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""The problem seen from one set of values: everything linear there, residuals cleaned, all signatures side by side."""
+"""Linearization of the problem at one parameter vector: cleaned residuals and the signatures of all effects."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

@@ -1,4 +1,4 @@
-"""What a diagnosis works on: rows, what calibration may move, which rows are locked, and how readings are weighed."""
+"""The problem of a diagnosis: rows, calibration parameters, hold-out rows and weights."""
 
 from collections.abc import Mapping, Sequence
 from copy import copy

@@ -1,4 +1,4 @@
-"""How far a diagnosis is, for those who wait."""
+"""Progress reports of a running diagnosis."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Stiffnesses as compliances: poses are all but linear in 1/EA, 1/GA and 1/EI, also where one of these fades away."""
+"""Stiffnesses as compliances 1/EA, 1/GA and 1/EI, in which poses are almost linear."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Low polynomials of the loads and of time, and settling: what a disagreement that has no name still looks like."""
+"""Trend functions of loads and time: low polynomials and settling, for misfits without a name."""
 
 from collections.abc import Sequence
 from itertools import combinations_with_replacement, product

@@ -1,4 +1,4 @@
-"""What no name explains: a smooth wrench at Q, of a kind that no parameter of the model could make."""
+"""Model discrepancy: a smooth wrench at the tip that no parameter of the model explains."""
 
 import numpy as np
 from numpy.typing import NDArray

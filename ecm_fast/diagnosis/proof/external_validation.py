@@ -1,4 +1,4 @@
-"""The hardest proof: experiments that were never fitted, and whether what was found carries over to them.
+"""External validation: whether an effect carries over to experiments that were not fitted.
 
 Both models predict such an experiment as they stand. Where the one with what was found misses it, but would not if the
 fitted parameters moved within their doubt, the experiment asks for another calibration before it asks for another

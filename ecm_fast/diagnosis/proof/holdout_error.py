@@ -1,4 +1,4 @@
-"""The proof: rows that nothing has seen, before and after, beside what noise alone leaves."""
+"""The error on the hold-out rows before and after an effect is added, beside the noise floor."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

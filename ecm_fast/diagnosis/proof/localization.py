@@ -1,4 +1,4 @@
-"""Where the calibrated model disagrees: which part, which channel, which loads; and the wrench that would close it."""
+"""Localization of a misfit: its part, channel and loads, and the wrench that would close it."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,1 +1,1 @@
-"""Results of the diagnosis: frozen records that print and serialize themselves."""
+"""Result records of the diagnosis, which print and serialize themselves."""

@@ -1,4 +1,4 @@
-"""What a diagnosis answers: verdict, names with their look-alikes, the gap on locked rows, what could not be told."""
+"""The result of a diagnosis: verdict, effects with look-alikes, hold-out error, undetectable effects."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

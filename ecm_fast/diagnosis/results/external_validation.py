@@ -1,4 +1,4 @@
-"""What a diagnosis says of experiments that were never fitted."""
+"""The result of a validation on experiments that were not fitted."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The parts of a diagnosis's answer: claims, models, tests, sights, the gap on locked rows, what is left."""
+"""The parts of a diagnosis: claims, models, tests, detectability, hold-out error, residuals."""
 
 import math
 from collections.abc import Mapping

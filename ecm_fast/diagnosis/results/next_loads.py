@@ -1,4 +1,4 @@
-"""What to measure next, and what it will buy."""
+"""The result of a search for the next loads, with their expected gain."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What loads can tell before they are measured."""
+"""The result of a plan: detectability of every effect before measuring."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

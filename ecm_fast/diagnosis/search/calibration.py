@@ -1,4 +1,4 @@
-"""The model as it is, fitted as well as it can be: the baseline that every effect has to beat."""
+"""Calibration without any effect: the baseline that every effect has to beat."""
 
 import numpy as np
 from numpy.typing import NDArray

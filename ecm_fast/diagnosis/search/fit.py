@@ -1,4 +1,4 @@
-"""One explanation fitted in full: nonlinear, jointly with everything that calibration may move."""
+"""The full nonlinear fit of one explanation together with the calibration."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

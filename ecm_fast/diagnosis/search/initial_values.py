@@ -1,4 +1,4 @@
-"""Where an effect's further parameter, such as the angle of a stop, begins: where the data first say that it is."""
+"""Initial values of nonlinear parameters of an effect, such as the angle of a stop, by a scan of the data."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""Readings that are astray: rows on which an alarm rests alone, and noise that is more than is declared."""
+"""Outliers: alarms that rest on single rows, and noise above the declared level."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The search: no effect, one, or two; linear over all of them, in full over what the linear ranking leaves."""
+"""Model selection: no effect, one or two; a linear ranking of all, then full fits of the best."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass

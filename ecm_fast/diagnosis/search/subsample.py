@@ -1,4 +1,4 @@
-"""Many rows: a share of them says which names are worth a fit, all of them fit these and judge them.
+"""Subsampling of large data sets: a share of the rows ranks the effects, all rows decide.
 
 What a search costs grows with the rows times the explanations that it tries, and which of these are worth a look
 hardly changes beyond a thousand rows. Sizes, intervals, look-alikes and tests do change, and come from all rows.

@@ -1,4 +1,4 @@
-"""All effects at once on the linear model: scores, evidence of every effect and every pair, from one Gram matrix.
+"""The evidence of every effect and every pair on the linear model, from one Gram matrix.
 
 Everything is whitened and in units of each effect's prior: residual = A nuisances + S sizes + noise of unit size,
 sizes ~ N(0, 1), nuisances free or with priors of their own, which are rows of A. Evidence knows more of the sizes, see

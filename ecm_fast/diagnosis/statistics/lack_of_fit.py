@@ -1,4 +1,4 @@
-"""Is anything missing? Two tests whose false alarm rate over all candidates is what was asked for."""
+"""Lack-of-fit tests with a given false alarm rate over all candidates."""
 
 from collections.abc import Sequence
 

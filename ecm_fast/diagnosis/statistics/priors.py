@@ -1,4 +1,4 @@
-"""What is known of parameters before the data speak."""
+"""Prior distributions of parameters."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

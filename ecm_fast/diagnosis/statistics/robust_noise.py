@@ -1,4 +1,4 @@
-"""Noise as it is: tails, outliers, scale and memory, told by what no effect and no smooth function explains.
+"""Robust noise estimates: heavy tails, outliers, scale and serial correlation.
 
 A reading far out is winsorized: drawn in to where it carries the information that its tail leaves it, so that all that
 follows is plain least squares with noise of one size.

@@ -1,4 +1,4 @@
-"""From the constants of the finite element model to those of the chain of elements."""
+"""Constants of the chain of elements, derived from those of the finite element model."""
 
 from .._jit import kernel
 from ..condensed.axial_law import HALF

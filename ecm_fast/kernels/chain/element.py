@@ -1,4 +1,4 @@
-"""Elements of a chain whose order is above 1: their inner nodes meet no other element, and are eliminated within it.
+"""Elements of a chain with order above 1: the inner nodes are eliminated within the element.
 
 Each element keeps a small dense matrix: rows and columns for its inner nodes, its left and its right end, then columns
 for the residual and for the two components of the tip force. Only what lies on and right of the diagonal counts.

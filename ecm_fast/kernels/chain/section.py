@@ -1,4 +1,4 @@
-"""The Gauss points of a chain of elements, many at a time: what is not a recurrence is vector arithmetic.
+"""The section law at the Gauss points of a chain, in vector arithmetic over many points.
 
 The rows of a block stand `COLUMNS` numbers apart, a distance known when compiling, and the loops call nothing that is
 not inlined. Only then does the compiler see that no row overlaps another, and work on several elements at once.

@@ -1,4 +1,4 @@
-"""The fast path for a chain of elements: positions eliminated exactly, and of the rest a band of width one.
+"""The solver of the chain path: positions eliminated exactly, the rest a band of width one.
 
 As in `condensed` the contact force is known once the force f at the tip is, here from element to element, so the
 nodes need no positions: unknown are their angles, the tip position r and f. With as many Gauss points as the order

@@ -1,4 +1,4 @@
-"""The sweeps along a chain of elements: elimination from the clamp to the tip, the tip itself, and the way back.
+"""The sweeps along a chain of elements: elimination to the tip, the tip equations, back substitution.
 
 Each step of a sweep waits for the one before, so what is on that path is kept short: one multiplication and addition.
 """

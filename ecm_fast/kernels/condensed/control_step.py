@@ -1,4 +1,4 @@
-"""A control loop's memory, and what a control step does where the fast path does not vouch.
+"""The state of a control step, and its fallback to the general path.
 
 Everything a control step needs lies in one array, whose address alone is passed: an argument that is an array costs
 an allocation a call, an address costs none. `settings` are the largest squared last step, whether derivatives are

@@ -1,4 +1,4 @@
-"""The fast path: one element of order p with p Gauss points, the positions eliminated exactly.
+"""The condensed formulation: one element of order p with p Gauss points, positions eliminated exactly.
 
 Dead loads along the beam and attachments at its tip only make the contact force known everywhere once the force f at
 the tip is known: n(s) = f + the load beyond s. For p Gauss points that holds in the discrete equations too, so the

@@ -1,4 +1,4 @@
-"""Where a solve on the fast path starts from: a polynomial in the tendon forces, or the two states before."""
+"""Initial guesses on the condensed path: a polynomial in the tendon forces, or an extrapolation."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Many load cases, or many mechanisms, through the same solver."""
+"""Batches of load cases or of mechanisms on the general path."""
 
 from .._jit import kernel
 from ..prepare import prepare

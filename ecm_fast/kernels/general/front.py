@@ -1,4 +1,4 @@
-"""One Newton step: assemble element by element, and eliminate each element's nodes as soon as they are complete.
+"""One Newton step: element assembly with immediate elimination of completed nodes (frontal method).
 
 A front of one element's size walks from the clamp to the tip. Interior nodes meet only their own element, so this
 is static condensation and band factorization in one; what is left at the end is the 3 x 3 tangent stiffness seen

@@ -1,4 +1,4 @@
-"""The solver: the equilibrium on the stable branch that grows from the unloaded state, or a status that says why not.
+"""The general solver: the equilibrium on the stable branch from the unloaded state, or a failure status.
 
 First Newton goes from the straight beam to the full load at once; that is accepted only where it was a quiet
 walk through stable states. Otherwise the load grows from zero in steps that the solver chooses, and every

@@ -1,4 +1,4 @@
-"""The cross-section: from strains to contact force and couple, and their derivatives."""
+"""The cross-section: contact force and couple as functions of the strains, with derivatives."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Derivatives of the tip pose by loads and parameters, from the factor that Newton's step leaves.
+"""Derivatives of the tip pose by loads and parameters, from the factorized tangent.
 
 Implicit function theorem: at an equilibrium K dq = -dR, so the tip pose's derivative is -W . dR with W = K^-1 of the
 three tip rows: what all nodes do under a unit wrench at Q. W costs no solve, only a back-substitution. How the

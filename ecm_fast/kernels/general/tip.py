@@ -1,4 +1,4 @@
-"""What acts at the head plate: two tendons over pulleys, the head's weight, a dead wrench at Q."""
+"""The wrench on the head plate: two tendons over pulleys, the head's weight, a dead wrench at Q."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Effects of the camera and its marker: the pose is another than the one that is read.
+"""Effects of the camera and its marker.
 
 All act on (x, z) as seen from the clamp. In this order: the marker's levers, distortions of the picture (lens,
 keystone, scales), then rotation and offsets.

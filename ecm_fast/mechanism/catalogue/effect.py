@@ -1,4 +1,4 @@
-"""What the catalogue knows of one effect."""
+"""The record of one effect of the catalogue."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

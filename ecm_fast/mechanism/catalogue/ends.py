@@ -1,4 +1,4 @@
-"""Effects of both ends of the beam: the clamp and the head plate's joint give way, or stand askew.
+"""Effects of both ends of the beam: compliance and misalignment of the clamp and the head plate's joint.
 
 Rows N0, Q0, M0 are force and couple that the beam exerts on its clamp along x, z and about y.
 """

@@ -1,4 +1,4 @@
-"""Effects of what surrounds the neck: gravity, the head's mass, and what pulls at the head or stops it."""
+"""Effects of the surroundings: gravity, the head's mass, springs, stops and forces at the head."""
 
 from functools import partial
 

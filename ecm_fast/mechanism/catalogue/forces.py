@@ -1,4 +1,4 @@
-"""Effects of the force cells: the forces that act on the head are not those that are read.
+"""Effects of the force cells: differences between the applied and the recorded tendon forces.
 
 From the readings r_l, r_r of both cells the left tendon's force is
 

@@ -1,4 +1,4 @@
-"""Effects of how the test bed is built: attachments and pulleys are not where the drawing has them."""
+"""Effects of geometry: attachments and pulleys that differ from the drawing."""
 
 from functools import partial
 

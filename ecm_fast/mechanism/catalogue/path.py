@@ -1,4 +1,4 @@
-"""Effects of what came before: friction, memory, drift. They need the rows in the order of measurement.
+"""Effects of the load path: friction, memory, drift. They need the rows in the order of measurement.
 
 Each changes other entries of the parameter vector row by row, see `history`, which states the laws in full: t is the
 time since the first row of a session, dir the direction in which a tendon last travelled (1 when it was pulled in),

@@ -1,4 +1,4 @@
-"""Families of elements: everything that tells one kind of element from another, below the kernels.
+"""Element families: everything that distinguishes one kind of element from another, below the kernels.
 
 To add one: declare it in a file here and in `FAMILIES`, write its kernels and name them in `kernels.families`, and
 its energy in `reference`. The front, Newton's method, batches, steppers, sensitivities and shapes then take it.

@@ -1,4 +1,4 @@
-"""What a family of elements declares about itself."""
+"""The record of an element family."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

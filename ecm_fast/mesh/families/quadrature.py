@@ -1,4 +1,4 @@
-"""Gauss points and polynomials on one element, which reaches from 0 to 1."""
+"""Gauss points and polynomials on the unit interval."""
 
 import numpy as np
 from numpy.typing import NDArray

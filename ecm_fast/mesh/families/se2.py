@@ -1,4 +1,4 @@
-"""Constant strains along the element: two poses joined by the arc that the logarithm of SE(2) gives.
+"""SE(2) elements of constant strain: two poses joined by the arc that the logarithm of SE(2) gives.
 
 Source of the idea: Sonneville, Cardona & Brüls, Comput. Methods Appl. Mech. Engrg. 268 (2014) 451-474, on SE(3).
 """

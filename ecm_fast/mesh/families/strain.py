@@ -1,4 +1,4 @@
-"""Curvature, stretch and shear are polynomials of degree order - 1 along the element; poses follow by integration.
+"""Strain elements: curvature, stretch and shear are polynomials of degree order - 1; poses follow by integration.
 
 The pose at an element's end is the integral of its strains at the Gauss points. In the plane the angle's integral is
 a polynomial and the position is linear in stretch and shear, so both ends' poses give the mean strains in closed

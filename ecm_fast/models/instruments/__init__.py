@@ -1,1 +1,1 @@
-"""The measuring chain: what the instruments of a test bed read, row by row."""
+"""The measuring chain: the readings of the test bed's instruments, row by row."""

@@ -1,4 +1,4 @@
-"""What rows inherit from the rows before them, and what the effects of the path make of it.
+"""The state that rows inherit from the rows before them, and the effects of the path.
 
 Every such effect changes other entries of the parameter vector, row by row; the kernels of a solve know nothing of it.
 A history begins anew where the session or the experiment differs from the row before. In a history, for row i

@@ -1,4 +1,4 @@
-"""The whole measuring chain with its derivatives: from a mechanism and the record of loads to what is read.
+"""The measuring chain with its derivatives: from a mechanism and a record of loads to readings.
 
 In order: what a row changes on the test bed, what it inherits from the rows before, the equilibrium, the camera.
 """

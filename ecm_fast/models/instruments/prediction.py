@@ -1,4 +1,4 @@
-"""The whole measuring chain: what the instruments would read for every row of a measurement file."""
+"""Predicted readings for every row of a measurement file."""
 
 import os
 from collections.abc import Sequence

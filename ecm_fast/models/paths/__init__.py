@@ -1,1 +1,1 @@
-"""The ways of solving, each a thin layer over its kernels."""
+"""Solution paths: condensed, chain and general, each a thin layer over its kernels."""

@@ -1,4 +1,4 @@
-"""The fast path of a model with many elements, or with one that `condensation` does not take."""
+"""The chain path: models with many elements, or with one that the condensed path does not take."""
 
 import numpy as np
 from numpy.typing import NDArray

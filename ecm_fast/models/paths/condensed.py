@@ -1,4 +1,4 @@
-"""The fast path of a model: which mechanisms it takes, and the kernels of its order."""
+"""The condensed path: the mechanisms it takes, and the kernels of each order."""
 
 import functools
 from importlib import import_module

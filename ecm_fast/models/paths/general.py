@@ -1,4 +1,4 @@
-"""The control step of a model that the fast path does not take."""
+"""The control step on the general path."""
 
 from collections.abc import Callable
 from typing import Any

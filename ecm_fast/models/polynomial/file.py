@@ -1,4 +1,4 @@
-"""Files of fitted polynomials: JSON, SI, radians; names and exponents are in it, so that others can evaluate it too."""
+"""Files of fitted polynomials: JSON in SI units and radians, with names and exponents."""
 
 import json
 import math

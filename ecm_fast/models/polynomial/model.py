@@ -1,4 +1,4 @@
-"""The paper's polynomial models: from the pose of the tip to its wrench (46)-(48), and from loads to the pose."""
+"""The paper's polynomial models: tip pose to wrench (46)-(48), and loads to pose."""
 
 import os
 import warnings

@@ -1,4 +1,4 @@
-"""What polynomial models are trained on and judged by: poses with the wrench that holds the tip there, (48), Fig. 5.
+"""Training and test data of polynomial models: poses with the wrench that holds the tip there, (48), Fig. 5.
 
 A wrench here is what tendons and external loads together do at Q, in world axes. The weights of beam and head are
 not part of it, since they act always: the polynomial stands for the neck with its weight. Under a dead wrench the

@@ -1,4 +1,4 @@
-"""The model in plain NumPy, dense and slow: each formula once, with its number in the paper.
+"""The reference model in dense NumPy: each formula once, with its number in the paper.
 
 Same names as in `ecm_fast.kernels`, but written from the mechanism's named parameters, not from the arrays that
 `kernels.prepare` makes. It is the oracle of the tests and a yardstick of time: of the package `benchmark` alone imports

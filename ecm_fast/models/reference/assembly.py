@@ -1,4 +1,4 @@
-"""The whole beam: energy for every family; residual, tangent, Newton's method for Lagrange elements; all dense."""
+"""The whole beam: energy for every family; residual, tangent and Newton's method for Lagrange elements."""
 
 from collections.abc import Iterator
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a camera makes of the pose of Q."""
+"""The camera's reading of the pose of Q."""
 
 from typing import Any
 

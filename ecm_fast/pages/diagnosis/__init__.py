@@ -1,4 +1,4 @@
-"""One page about a diagnosis: the verdict first, then the pictures that it rests on, each with its numbers."""
+"""The page of a diagnosis: the verdict, then the figures behind it, each with its numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures of the answer: gap, evidence, look-alikes, calibrated parameters, what is left, stiffness, what is next."""
+"""Figures of the answer: hold-out error, evidence, look-alikes, calibration, residuals, stiffness, next loads."""
 
 from __future__ import annotations
 

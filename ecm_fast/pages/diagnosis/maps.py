@@ -1,4 +1,4 @@
-"""Pictures of the gap row by row: in the workspace, over the loads, split by symmetry and by path, as wrenches."""
+"""Figures of the misfit row by row: in the workspace, over the loads, by symmetry, by path, as wrenches."""
 
 from __future__ import annotations
 

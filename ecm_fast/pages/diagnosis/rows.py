@@ -1,4 +1,4 @@
-"""What all pictures of a diagnosis share: the rows as one table, channels with their units, how a map is drawn."""
+"""Common parts of a diagnosis's figures: the rows as one table, channels with units, maps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A live page: the neck under sliders and the pointer, solved anew for every frame.
+"""The live page: an interactive view of the neck, solved for every frame.
 
 `controls` says what can be moved, `scene` turns a request into what is drawn, `server` talks to the browser, and
 ``page.html``, ``page.css``, ``page.js`` draw.

@@ -1,4 +1,4 @@
-"""What the page can move: loads, the main parameters, and every effect of the catalogue."""
+"""The controls of the live page: loads, main parameters and every effect of the catalogue."""
 
 import math
 from dataclasses import asdict, dataclass

@@ -1,4 +1,4 @@
-"""Lines of the picture, in metres: the beam, the head plate, the tendons and their pulleys."""
+"""The drawn lines of the neck in metres: beam, head plate, tendons and pulleys."""
 
 import math
 from typing import Any

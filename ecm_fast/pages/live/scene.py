@@ -1,4 +1,4 @@
-"""From a request to what is drawn: one solve, one polynomial, and the workspace when the mechanism has changed."""
+"""One frame of the live page: a solve, a polynomial, and the workspace of a changed mechanism."""
 
 import json
 import time

@@ -1,4 +1,4 @@
-"""The page's server: a few files and a socket, for this machine alone.
+"""The server of the live page: a few files and a socket, on this machine alone.
 
 It listens on the loopback address, answers only who calls it by that name (so that no other site's name can be made
 to lead here), and takes requests only from its own page.

@@ -1,4 +1,4 @@
-"""The paper's open question, answered in words with a study's own numbers: how few elements, and of which kind.
+"""The text of an element study: the smallest number of elements, and their family.
 
 Every sentence is about candidates that the study compared; where one of them is missing, so is the sentence.
 """

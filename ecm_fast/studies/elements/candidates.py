@@ -1,4 +1,4 @@
-"""Ways to divide a beam into elements: families, orders, Gauss points, meshes even, graded or ending at jumps.
+"""Candidate discretizations: families, orders, Gauss points, uniform, graded or matched meshes.
 
 To let the study compare a further family, give it a line in `_KINDS` and a word in `Candidate.kind`.
 """

@@ -1,4 +1,4 @@
-"""Load cases, the converged solution over them, and what a discretization is off by."""
+"""Load cases, the converged solution, and the errors of a discretization."""
 
 import math
 import os

@@ -1,4 +1,4 @@
-"""One page about a study of elements: pictures, tables, and the numbers as JSON."""
+"""The page of an element study: figures, tables, and the numbers as JSON."""
 
 from __future__ import annotations
 

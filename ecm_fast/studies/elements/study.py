@@ -1,4 +1,4 @@
-"""How few elements suffice, and of which kind: error against a converged solution, and time, for any mechanism."""
+"""The element study: error against a converged solution, and time, for any mechanism."""
 
 import math
 import time

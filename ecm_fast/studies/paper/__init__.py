@@ -1,4 +1,4 @@
-"""The paper's figures and other people's measurements, redone: which claims hold, with the numbers behind them.
+"""Reproduction of the paper's figures and of published measurements, with a verdict for each claim.
 
 One file a subject, named in `_PARTS`. To add a claim, write a function that returns a `Part` and give it a line
 there. Every part takes its sizes as arguments, whose defaults are those of the paper.

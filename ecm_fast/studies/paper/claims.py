@@ -1,4 +1,4 @@
-"""What every part of a reproduction is made of: claims, the numbers behind them, a section of the page."""
+"""Claims of the reproduction: the numbers behind them, and their section of the page."""
 
 import math
 from collections.abc import Mapping

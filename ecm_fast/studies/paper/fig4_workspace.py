@@ -1,4 +1,4 @@
-"""Where tendon forces can take the tip: the paper's Fig. 4, on both presets."""
+"""Fig. 4 of the paper: the workspace of the tip under tendon forces, on both presets."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""The cubic polynomial against the finite element model, over many draws of its training: the paper's Fig. 5."""
+"""Fig. 5 of the paper: the cubic polynomial against the finite element model, over many training draws."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Both models on data of the tendon-driven neck, simulated: the paper's Fig. 6, with and without a missing effect."""
+"""Fig. 6 of the paper: both models on simulated data of the neck, with and without a missing effect."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

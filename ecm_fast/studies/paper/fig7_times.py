@@ -1,4 +1,4 @@
-"""How long a solve takes, model by model: the paper's Fig. 7 on this machine.
+"""Fig. 7 of the paper: solve times of all models on this machine.
 
 The paper times both models at 100 random pairs of pose and wrench from the workspace of its Fig. 4. Here a pair is
 a random pair of tendon forces, which the finite element models are given, and the pose it leads to, which the

@@ -1,4 +1,4 @@
-"""Cantilevers that others have bent and measured: steel without a free number, silicone with one modulus."""
+"""Published cantilever measurements: steel without a free parameter, silicone with one modulus."""
 
 from typing import Any
 

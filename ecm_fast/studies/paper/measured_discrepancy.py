@@ -1,4 +1,4 @@
-"""What the beam model misses on a real beam: the diagnosis asked about the silicone cantilever's six readings."""
+"""The model discrepancy of the silicone cantilever: a diagnosis of its six readings."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Polynomials that are the gradient of one energy, beside those that are not: the paper's outlook, measured."""
+"""Conservative polynomials, the gradient of one energy, against free ones: the paper's outlook."""
 
 from collections.abc import Mapping
 from typing import Any

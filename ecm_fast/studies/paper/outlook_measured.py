@@ -1,4 +1,4 @@
-"""Polynomials trained on measured poses instead of the model's, and polynomials from loads to the pose."""
+"""Polynomials trained on measured poses, and polynomials from loads to the pose."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""Whether the pose of the tip alone fixes the wrench there: the assumption that the paper wants investigated.
+"""The assumption that the tip pose alone determines the wrench, as the paper's outlook asks.
 
 Along the axis of a given neck it does, as long as the beam between its two ends does not buckle. It fails where
 something acts along the neck, or hangs on its head, that the polynomial was not trained with. The other way round,

@@ -1,4 +1,4 @@
-"""Equilibria found by shooting: what the default and the paper's discretization leave of error."""
+"""Reference equilibria by shooting, and the errors of the default and the paper's discretization."""
 
 from typing import Any
 

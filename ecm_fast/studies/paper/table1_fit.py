@@ -1,4 +1,4 @@
-"""How the sections find parameters."""
+"""Parameter fits for the sections of the reproduction."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

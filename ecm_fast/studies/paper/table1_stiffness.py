@@ -1,4 +1,4 @@
-"""The stiffnesses found again from the paper's two experiments, on the simulated test bed: Table 1, Fig. 3."""
+"""Table 1 and Fig. 3 of the paper: stiffnesses identified from its two experiments, simulated."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sweeps: a thousand to a thousand million solves over loads, parameters and effects, on one machine or on many.
+"""Sweeps: up to 1e9 solves over loads, parameters and effects, on one machine or a cluster.
 
 The cases are cut into chunks; what a chunk is, and what comes of it, depends on the sweep and the chunk's number alone
 (`design`, `chunk`, `units`). Any executor may therefore solve any chunk, twice if need be (`engine`), and a sweep that

@@ -1,4 +1,4 @@
-"""Histogram, extremes and sums of one column, in one compiled pass over it and one more for the moments."""
+"""Histogram, extremes and sums of one column, in two compiled passes."""
 
 from ...kernels._jit import kernel
 

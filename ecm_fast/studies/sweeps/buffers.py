@@ -1,4 +1,4 @@
-"""Memory that a thread keeps from chunk to chunk: fresh pages for every chunk cost a third of what solving it does."""
+"""Per-thread scratch buffers: fresh memory for every chunk costs a third of the solve time."""
 
 import math
 import threading

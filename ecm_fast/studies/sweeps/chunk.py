@@ -1,4 +1,4 @@
-"""One unit of work: the cases of a chunk, solved. It depends on the sweep and the chunk's number alone."""
+"""One unit of work: the solved cases of a chunk, determined by the sweep and the chunk's number."""
 
 import functools
 from collections.abc import Mapping

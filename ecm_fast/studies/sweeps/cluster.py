@@ -1,4 +1,4 @@
-"""Many machines: an executor of dask's ``distributed``, which runs again what a lost worker had under way."""
+"""An executor on dask's ``distributed``, with retries of lost work."""
 
 from collections.abc import Iterator
 from concurrent.futures import Executor

@@ -1,4 +1,4 @@
-"""One run at a time in a sweep's folder. The operating system holds the lock: it ends with the process, however."""
+"""The lock of a sweep's folder: one run at a time, released by the operating system when the process ends."""
 
 import errno
 import os

@@ -1,4 +1,4 @@
-"""A Parquet file around columns of numbers as they lie in memory: none is copied, none is looked at.
+"""A Parquet writer for columns of numbers as they lie in memory, without a copy.
 
 One row group, one page a column, plain and without compression. That is little enough of the format to be written out
 here; a general writer copies every number twice, which costs a quarter of solving for it. Numbers of fields, types and

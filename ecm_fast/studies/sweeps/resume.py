@@ -1,4 +1,4 @@
-"""A sweep's folder: what is there already is not done again, and at the end it is the same however often it stopped."""
+"""Resumption of a sweep: completed chunks are kept, and the final files do not depend on interruptions."""
 
 import json
 import time

@@ -1,4 +1,4 @@
-"""The rows of a chunk as a Parquet file, and what such a file says about itself."""
+"""The rows of a chunk as a Parquet file with its metadata."""
 
 import base64
 import functools

@@ -1,4 +1,4 @@
-"""The inputs of a sweep's cases. A chunk depends on the sweep and its number alone, whoever computes it, and when."""
+"""Sampling of a sweep's inputs, reproducible chunk by chunk."""
 
 import functools
 import threading

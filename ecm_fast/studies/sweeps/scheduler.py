@@ -1,4 +1,4 @@
-"""Units of work on any executor: so many under way and no more, lost ones tried again."""
+"""The scheduler of a sweep: a bounded number of chunks in flight on any executor, with retries."""
 
 from collections import Counter, deque
 from collections.abc import Callable, Iterable

@@ -1,4 +1,4 @@
-"""What a sweep solves: every number it depends on, as one line of text that is the same wherever it is read."""
+"""The specification of a sweep: every number it depends on, as one canonical line of text."""
 
 import hashlib
 import json

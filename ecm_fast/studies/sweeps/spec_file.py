@@ -1,4 +1,4 @@
-"""A sweep from a TOML file or from a dict of the same form, checked: whatever cannot be is named, with its cure."""
+"""Sweep specifications from TOML files or dicts, validated."""
 
 import math
 import os

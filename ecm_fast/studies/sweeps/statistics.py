@@ -1,4 +1,4 @@
-"""What a sweep keeps instead of rows: histograms, extremes and moments, added up chunk by chunk in their order."""
+"""Statistics of a sweep: histograms, extremes and moments, added chunk by chunk in order."""
 
 import math
 from collections.abc import Mapping

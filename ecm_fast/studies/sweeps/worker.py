@@ -1,4 +1,4 @@
-"""What is sent to a worker: module-level functions of a sweep's text and a chunk's number, and nothing else.
+"""The functions that run on a worker: arguments are a sweep's text and a chunk's number.
 
 A worker needs this package, no files: it may be a thread, a process or another machine.
 """

@@ -1,4 +1,4 @@
-"""What is hidden in sealed measurements; it is kept apart from them."""
+"""The ground truth of sealed measurements, kept apart from them."""
 
 import json
 import os

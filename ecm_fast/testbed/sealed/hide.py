@@ -1,4 +1,4 @@
-"""Sealed measurements: an effect is hidden in them, and what it is is said elsewhere.
+"""Sealed measurements: simulated data with a hidden effect, and its ground truth in another file.
 
 The test bed makes them, another program than the model that is to find the effect.
 """

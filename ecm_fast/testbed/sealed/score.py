@@ -1,4 +1,4 @@
-"""How good an answer about sealed measurements is."""
+"""The score of an answer about sealed measurements."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Which element a compiled solve is made of: the type of the tables it is given decides while it is compiled.
+"""Choice of the element at compile time, by the type of its tables.
 
 So a solve of Lagrange elements knows nothing of the other families, and each family costs its own compilation only.
 Every family's module of kernels has the four functions below, with these arguments:
