@@ -25,7 +25,7 @@ EMPTY = "a call that does nothing"
 """Name under which the control is found among the timings."""
 
 Clock = Callable[[], float]
-_MOST_CALLS = 1 << 16
+_MOST_CALLS = 1 << 16  # calls in one repetition: a call of 10 ns then lasts 0.7 ms, far above the clock's resolution
 
 
 @dataclass(frozen=True)

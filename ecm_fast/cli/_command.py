@@ -23,6 +23,7 @@ __all__ = [
     "saved",
 ]
 
+# exit codes; the last as shells say it of SIGINT
 DONE, UNEXPECTED, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 1, 2, 3, 130
 EXIT_CODES = "exit codes: 0 done, 1 unexpected, 2 bad input, 3 a solve did not converge, 130 interrupted"
 

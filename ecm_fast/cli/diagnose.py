@@ -21,7 +21,7 @@ __all__ = ["DIAGNOSE", "PLAN", "VERDICT_CODES"]
 
 VERDICT_CODES = {"named": 10, "family": 11, "outside_catalogue": 12, "nothing_found": 13, "data_gap": 20}
 _CODES = ", ".join(f"{code} {name}" for name, code in VERDICT_CODES.items())
-_SHOWN = 8
+_SHOWN = 8  # lines that fit a screen
 _USUAL_NOISE = (1e-4, 1e-4, 1e-3)
 """[m, m, rad] of a channel that was not measured."""
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 __all__ = ["COMMAND"]
 
-_SHOWN = 5
+_SHOWN = 5  # lines that fit a screen
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:

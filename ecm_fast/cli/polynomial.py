@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["EVAL", "FIT"]
 
-_POSES = 1000
+_POSES = 1000  # training poses, as many as in the paper's Section 3
 
 
 def _add_fit_arguments(parser: argparse.ArgumentParser) -> None:

@@ -14,7 +14,7 @@ __all__ = ["COMMAND"]
 
 _FAR = 8.0
 """Times its noise beyond which a reading is shown by its row: a diagnosis takes it for an outlier."""
-_SHOWN = 5
+_SHOWN = 5  # lines that fit a screen
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:

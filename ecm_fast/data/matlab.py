@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 
 __all__ = ["Unreadable", "read_level5"]
 
-_MATRIX, _COMPRESSED = 14, 15
+_MATRIX, _COMPRESSED = 14, 15  # data types of the MAT-file 5 format, Table 1-1
 _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 _ENCODINGS = {1: "ascii", 2: "latin-1", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
-_CELL, _STRUCT, _CHAR, _NUMERIC = 1, 2, 4, range(6, 16)
+_CELL, _STRUCT, _CHAR, _NUMERIC = 1, 2, 4, range(6, 16)  # array types of the MAT-file 5 format, Table 1-3
 _OTHERS = {3: "an object", 5: "a sparse matrix", 16: "a function", 17: "an object such as a table or a string array"}
-_IS_COMPLEX = 0x800
+_IS_COMPLEX = 0x800  # array flag of the MAT-file 5 format
 _MOST_BYTES = 1 << 28  # of one variable once decompressed: 33 million numbers; a small file can ask for far more
 
 _Part = tuple[int, memoryview]

@@ -20,7 +20,7 @@ __all__ = ["Measurements", "read_measurements"]
 Floats = NDArray[np.float64]
 Labels = NDArray[np.str_]
 
-_BAD_CELLS_SHOWN = 5
+_BAD_CELLS_SHOWN = 5  # enough to see a pattern on one line
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -24,7 +24,7 @@ __all__ = ["Posterior", "posterior"]
 Array = NDArray[np.float64]
 Priors = Mapping[str, tuple[float, float]]
 
-_FEWEST_STEPS = 100
+_FEWEST_STEPS = 100  # emcee asks for fifty autocorrelation times: fewer steps are never enough
 # a chain of fewer autocorrelation times has not forgotten where it began; emcee's own advice
 _LONG_ENOUGH = 50
 _TOLERANCE = 1e-8

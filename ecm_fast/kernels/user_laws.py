@@ -14,7 +14,7 @@ from .layout import N_USER
 
 __all__ = ["STEP", "added"]
 
-STEP = 1e-100
+STEP = 1e-100  # of the complex step: no subtraction, so it may be as small as numbers go
 
 
 @kernel

@@ -48,8 +48,8 @@ class _Section:
             object.__setattr__(self, entry.name, entry.check(getattr(self, entry.name)))
 
 
-_STIFFNESS = (1e-12, 1e15)
-_PLACE = (-1e3, 1e3)
+_STIFFNESS = (1e-12, 1e15)  # [N, N m^2] bounds that refuse zero and overflow, and no mechanism
+_PLACE = (-1e3, 1e3)  # [m] bounds that refuse overflow, and no mechanism
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 Pair = tuple[float, float]
 Residual = tuple[Pair, tuple[Pair, Pair]]
 WISHES = ("x", "z", "theta", "co_contraction")
-CO_CONTRACTION = 3
+CO_CONTRACTION = 3  # the row of a wish behind x, z and theta
 UNITS = ("m", "m", "rad", "N")
 # a wish is met to this share of its scale: length, 1 rad, the largest force
 MET = 1e-9

@@ -31,7 +31,7 @@ _LAWS: dict[str, dict[str, Law]] = {"section": {}, "head": {}}
 _COORDINATES = {"section": 4, "head": 3}
 _ALIVE: list[Any] = []  # compiled laws, whose addresses parameter vectors may still hold
 _PROBES = np.array([[0.96, 0.01, 3.0, 0.3], [1.02, -0.02, -2.0, 0.8], [0.9, 0.03, 0.5, 0.6]])
-_SYMMETRY = 1e-9
+_SYMMETRY = 1e-9  # share of the tangent by which rounding may break its symmetry
 
 
 def effect(

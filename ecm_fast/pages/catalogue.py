@@ -27,10 +27,10 @@ __all__ = ["look_alikes", "signatures", "sweep", "write_catalogue"]
 
 Array = NDArray[np.float64]
 
-_SIDE = 9
+_SIDE = 9  # points a side of the grid of tendon forces
 _UNITS = (("x", "mm", 1e3), ("z", "mm", 1e3), ("θ", "mrad", 1e3))
-_SHOWN = 4
-_ALIKE = 0.7
+_SHOWN = 4  # look-alikes that a row has room for
+_ALIKE = 0.7  # cosine from which signatures are called alike
 
 
 def sweep(lam_max: float = 160.0) -> Measurements:

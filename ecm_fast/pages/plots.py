@@ -47,7 +47,7 @@ LARGEST_TENDON_FORCE = 160.0
 """[N], the end of the range in the paper's Fig. 4."""
 
 MINUS = "\N{MINUS SIGN}"
-_MM, _DEG = 1e3, 180.0 / np.pi
+_MM, _DEG = 1e3, 180.0 / np.pi  # factors from m and rad to mm and deg
 COLORS = ("#0b5394", "#c0392b", "#2e7d32", "#8e44ad", "#b9770e", "#117a8b", "#5d4037", "#ad1457")
 FAINT = "#8a8f98"
 _CHANNELS = (("x", "mm", _MM), ("z", "mm", _MM), ("θ", "deg", _DEG))

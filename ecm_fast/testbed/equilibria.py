@@ -27,9 +27,9 @@ __all__ = ["Equilibria", "Outcome", "equilibria"]
 Array = NDArray[Any]
 
 _CONVERGED = 1e-7  # Newton's step, in units of the beam; the next one would be its square
-_ITERATIONS = 12
+_ITERATIONS = 12  # Newton steps at most before the load step is cut
 _FAR = (1.0, 1.0, 2.0)  # more than the tip moves in one step: x and z in lengths, theta [rad]
-_SMALLEST_LOAD_STEP = 1.0 / 1024.0
+_SMALLEST_LOAD_STEP = 1.0 / 1024.0  # share of the load below which the branch has ended
 
 
 class Outcome(IntEnum):

@@ -24,10 +24,10 @@ Array = NDArray[Any]
 _TOLERANCE = 3e-12  # of the integrator, relative and in units of the beam's own size
 _TANGENT = 1e-7  # that of the derivatives: they steer Newton's method and do not enter the pose
 _MOST_TURNS = 1e2  # [rad]; an iterate that curls up more is stopped, lest all rows wait for it
-_SECTION_STEPS = 40
+_SECTION_STEPS = 40  # Newton steps at most for the strains of a section
 _INSIDE = 1e-12  # share of the length; a piece of the beam never asks for the stiffness beyond its own ends
 _STEP = 1e-30  # complex step: the error is its square
-_PROBES = 1j * _STEP * np.eye(3)[:, :, None]
+_PROBES = 1j * _STEP * np.eye(3)[:, :, None]  # complex steps along the three strains
 
 
 def integrate(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, NDArray[np.bool_]]:

@@ -25,6 +25,9 @@ _UNUSUAL = 4.0
 """Typical sizes beyond which an effect may stand for another one."""
 _TOGETHER = 0.95
 """Correlation from which on data see a combination of two parameters of an effect rather than each."""
+_ALARM = 3.0  # standard deviations: one alarm in 370 by chance
+_SHARE = (0.2, 0.45)
+"""Where the shear over the axial stiffness of an incompressible solid section lies, (5/6 or 1)/3 with some room."""
 
 
 def size_caveats(claims: Iterable[Claim], mechanism: Mechanism) -> tuple[str, ...]:
@@ -79,11 +82,6 @@ def _doubts(calibration: Mapping[str, Estimate], mechanism: Mechanism, tested: C
                    f"place")  # fmt: skip
 
 
-_FAR = 3.0
-_SHARE = (0.2, 0.45)
-"""Where the shear over the axial stiffness of an incompressible solid section lies, (5/6 or 1)/3 with some room."""
-
-
 def alarms(found: Selection) -> tuple[str, ...]:
     """Return one line for every parameter that leaves its range in the calibration without effects."""
     return (*_priors(found), *_range(found))
@@ -100,7 +98,7 @@ def _priors(found: Selection) -> Iterator[str]:
             own = np.linalg.pinv(free, hermitian=True)
             offset = (fit.values[i] - center) * (1.0 + own[i, i] / std**2)
             off = offset / np.sqrt(own[i, i] + std**2)
-        if abs(off) > _FAR:
+        if abs(off) > _ALARM:
             yield _away(find(problem.keys[i]), center, std, center + offset, float(np.sqrt(own[i, i])), abs(off))
 
 
@@ -120,6 +118,6 @@ def _range(found: Selection) -> Iterator[str]:
     share = fit.values[ga] / fit.values[ea]
     relative = np.sqrt(fit.covariance[ea, ea]) / fit.values[ea] + np.sqrt(fit.covariance[ga, ga]) / fit.values[ga]
     low, high = _SHARE
-    if not low - _FAR * share * relative <= share <= high + _FAR * share * relative:
+    if not low - _ALARM * share * relative <= share <= high + _ALARM * share * relative:
         yield (f"GA/EA = {share:.3g} is outside of {low:g} to {high:g}, where a solid section of rubber lies: the "
                f"calibration makes up for something that is missing")  # fmt: skip

@@ -13,7 +13,7 @@ from ..search.selection import Selection
 
 __all__ = ["claims", "estimates"]
 
-LEVEL = 0.90
+LEVEL = 0.90  # of intervals
 
 
 def estimates(fit: Fit, found: Selection) -> Mapping[str, Estimate]:

@@ -25,7 +25,7 @@ __all__ = [
     "verdict_of",
 ]
 
-_FEW_NAMES = 4
+_FEW_NAMES = 4  # that a sentence can list
 
 
 def verdict_of(effects: tuple[Claim, ...], *, outside: bool, gap_in_data: bool) -> Verdict:

@@ -22,12 +22,12 @@ Array = NDArray[np.float64]
 
 _FOUND = 1.2816
 """Standard deviations by which nine in ten are above."""
-_TOLD = 4.0
-_PLAUSIBLE = 10.0
+_TOLD = 4.0  # sigmas between two explanations from which on one wins 98 times in 100
+_PLAUSIBLE = 10.0  # typical sizes beyond which no rival is credible
 _SEEN = 2.0
 """Typical sizes up to which an effect that would be found counts as visible."""
-_ABSORBED = 0.5
-_RIVALS = 5
+_ABSORBED = 0.5  # share of a signature that calibration leaves, below which it counts as absorbed
+_RIVALS = 5  # rivals that a table has room for
 
 
 def distances(view: Linearization) -> tuple[Array, Array, Array]:

@@ -25,8 +25,8 @@ __all__ = ["DiscriminationDesign"]
 
 Array = NDArray[np.float64]
 
-_LARGEST = 1e8
-_LEAST_GAIN = 1e-6
+_LARGEST = 1e8  # squared sigmas: stands for infinity where ratios are formed
+_LEAST_GAIN = 1e-6  # gain of the criterion below which another reading is wasted
 _HOPE = 3.0
 """Explanations that all the time on the best load leaves closer than this are one for the search."""
 _RIGID = 1e3

@@ -27,7 +27,7 @@ __all__ = ["DRIFT", "Problem", "Weights"]
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_FEWEST = 3
+_FEWEST = 3  # rows: three readings for each stiffness
 _NEAR_ZERO = 2.0  # standard deviations of a force cell within which its reading is that of a slack tendon
 _ZERO_SHIFT = 0.5  # the mean by which such a reading is off, in the same unit
 DRIFT = 0.25

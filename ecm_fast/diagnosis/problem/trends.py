@@ -14,8 +14,8 @@ __all__ = ["coordinates", "smooth_columns"]
 
 Array = NDArray[np.float64]
 
-_DEGREE, _DRIFT = 3, 2
-_ROWS_PER_TERM = 4
+_DEGREE, _DRIFT = 3, 2  # highest powers of loads and of time in a trend
+_ROWS_PER_TERM = 4  # fewer rows a term would fit the noise
 _SMALL = 20.0
 """Tendon force around which a tendon that is not yet tight shows [N]."""
 _SETTLING = (15.0, 400.0)

@@ -14,8 +14,8 @@ __all__ = ["remainder"]
 
 Array = NDArray[np.float64]
 
-_LENGTHS = (0.25, 0.5, 1.0, 2.0)
-_NOISES = (0.03, 0.1, 0.3, 1.0, 3.0)
+_LENGTHS = (0.25, 0.5, 1.0, 2.0)  # correlation lengths tried, in ranges of the loads
+_NOISES = (0.03, 0.1, 0.3, 1.0, 3.0)  # noises tried, in standard deviations of what is left
 _ROWS = 1500
 """Rows that a smooth function goes through at most, evenly over the order of measurement."""
 

@@ -23,7 +23,7 @@ __all__ = ["transfer"]
 
 Array = NDArray[np.float64]
 
-_RIVALS = 5
+_RIVALS = 5  # runners-up that are tried on the test file
 
 
 def transfer(there: Problem, found: Selection, noise: Noise, seed: int) -> Transfer | None:

@@ -16,8 +16,8 @@ __all__ = ["Residuals", "gap"]
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_DRAWS = 400
-_OUTLIER, _FEW = 8.0, 0.1
+_DRAWS = 400  # resamples; ends of a 90 % interval are then known to 1 % in rank
+_OUTLIER, _FEW = 8.0, 0.1  # sigmas, and the share of rows up to which they are outliers and not the model's failure
 
 
 @dataclass(frozen=True, eq=False)

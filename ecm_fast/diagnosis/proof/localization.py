@@ -57,12 +57,12 @@ def where(view: Linearization, seed: int) -> Where:
     )
 
 
-_DRAWS, _BORDERS = 299, 200
+_DRAWS, _BORDERS = 299, 200  # permutations, for chances down to 1/300; borders tried along each load
 _FEWEST = 2  # rows
 _MOST = 0.5  # of all rows; what holds for more is not local
 _LOCAL = 0.8
 """Share of all excess that a region must hold to be called local."""
-_RARE = 0.01
+_RARE = 0.01  # chance that is no longer taken for luck
 
 
 def scan(lam: Array, squares: Array, count: Array, seed: int) -> tuple[str, float]:

@@ -10,8 +10,8 @@ from .findings import HoldoutMisfit
 
 __all__ = ["Transfer", "allowed", "carried", "not_carried"]
 
-_CHANCE = 0.01
-_LEAST = 1.1
+_CHANCE = 0.01  # of refuting an effect that is right
+_LEAST = 1.1  # times the noise that is never held against an effect: a declared noise is not known better
 
 
 def allowed(readings: int) -> float:

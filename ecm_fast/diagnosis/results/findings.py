@@ -27,7 +27,7 @@ __all__ = [
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Verdict = Literal["named", "family", "outside_catalogue", "nothing_found", "data_gap"]
-_USUAL = (1e-4, 1e-4, 1e-3)
+_USUAL = (1e-4, 1e-4, 1e-3)  # [m, m, rad] noise of a camera where none is known: 0.1 mm, 1 mrad
 CHANNEL_KEYS = ("x_m", "z_m", "theta_rad")
 
 

@@ -13,9 +13,9 @@ __all__ = ["calibrate"]
 
 Array = NDArray[np.float64]
 
-_NEAR = 0.1
-_ROUNDS = 4
-_SAME = 0.05
+_NEAR = 0.1  # share of the range: how far the first step may go
+_ROUNDS = 4  # rounds of calibration and noise; three are usual
+_SAME = 0.05  # per cent: parameters that moved less are those of the round before
 
 
 def calibrate(problem: Problem) -> tuple[dict[str, float], Noise]:

@@ -40,7 +40,7 @@ _SURE = 0.01
 """Share of the allowed chance of a false alarm below which an alarm of these rows stands without all rows."""
 _SLACK, _MOST = 10.0, 12
 """Evidence beyond the limit within which an explanation is fitted to all rows, and how many of them at most."""
-_PASSES = 2
+_PASSES = 2  # linearizations of each explanation on all rows
 
 
 def search_all(problem: Problem, alpha: float, max_effects: int, seed: int) -> Selection:

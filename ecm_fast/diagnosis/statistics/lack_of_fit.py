@@ -17,7 +17,7 @@ NAMED, SMOOTH = 0.3, 0.1
 
 The rest is for what noise is like in truth: tails, outliers and memory are told from the data, not known.
 """
-_DRAWS = 10_000
+_DRAWS = 10_000  # a chance of 1e-3 is then known to a third
 _SEEN = 1.0
 """Sigmas of one prior standard deviation below which an effect cannot make a statistic: it would be implausible."""
 

@@ -16,14 +16,14 @@ Mask = NDArray[np.bool_]
 
 _TAILS = (3.0, 5.0, 10.0, 40.0)
 """Degrees of freedom of Student's t; the last one leaves Gaussian noise all but as it is."""
-_OUTLIER = 6.0
+_OUTLIER = 6.0  # sigmas: one reading in 5e8 of Gaussian noise
 _ONE_BY_ONE, _SHARE = 2000, 400
 """Rows up to which outliers are taken away one by one; of more rows, one in so many at a time."""
-_RARE = 8.0
+_RARE = 8.0  # how much more a heavy tail counts for rare events than for the variance
 _MOST = 0.1  # largest share of the rows that may be outliers
-_ROUNDS = 10
-_DECLARED_DOF = 10.0
-_LARGEST_MEMORY, _FEWEST_PAIRS = 0.9, 20
+_ROUNDS = 10  # reweightings; scale and tail then stand to a per cent
+_DECLARED_DOF = 10.0  # readings that a declared noise is worth: known to 22 %
+_LARGEST_MEMORY, _FEWEST_PAIRS = 0.9, 20  # a correlation beyond is a trend; pairs of rows that fix it to 0.2
 _MEDIAN_TO_SIGMA, _WITHIN_THREE = 1.4826, 1.0136  # of Gaussian noise
 _HEAVIER = 1.0
 """Gain of the log-likelihood for which a heavier tail is taken."""

@@ -7,7 +7,7 @@ from .effect import effect
 __all__ = ["EFFECTS"]
 
 effect = partial(effect, enters="geometry")
-_PLACE = -10.0, 10.0
+_PLACE = -10.0, 10.0  # [m] bounds that refuse overflow, and no mechanism
 # fmt: off
 EFFECTS = (
     effect("lever_arm", "d + a at both tendons", "m", "both tendons are attached farther from the middle than drawn",

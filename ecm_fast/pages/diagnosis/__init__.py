@@ -21,7 +21,7 @@ from .rows import MOST, Story
 
 __all__ = ["write_diagnosis"]
 
-_NAMES = 12
+_NAMES = 12  # rows that a table lists
 _GATES = {"effects": "any effect of the catalogue", "smooth": "smooth patterns over loads and time"}
 _ADDED = ("nothing added", "one effect added", "two effects added", "three effects added")
 _TITLES = {

@@ -21,10 +21,10 @@ __all__ = ["cosine_matrix", "evidence_bars", "gap_bar", "left_over", "parameter_
 
 Array = NDArray[np.float64]
 
-_BARS = 16
-_REACH = 3.5
-_POSES = ((0.0, 0.0), (120.0, 0.0), (120.0, 120.0))
-_FORCE = 10.0
+_BARS = 16  # that a picture has room for
+_REACH = 3.5  # standard deviations either way that a profile shows
+_POSES = ((0.0, 0.0), (120.0, 0.0), (120.0, 120.0))  # tendon forces [N] of the straight, a bent and a compressed pose
+_FORCE = 10.0  # [N] at the head
 
 
 def gap_bar(story: Story) -> Picture | None:

@@ -15,9 +15,9 @@ __all__ = ["loops", "parity_split", "residual_maps", "workspace", "wrench_arrows
 
 Array = NDArray[np.float64]
 
-_TIMES = 20.0
-_NECKS = 5
-_NEAR = 0.04
+_TIMES = 20.0  # magnification of misfits of some 0.1 mm
+_NECKS = 5  # shapes drawn, evenly over the angle
+_NEAR = 0.04  # share of the largest load within which two loads mirror each other
 _LEAST = 1.0
 """[N], tendons that change less are off."""
 

@@ -12,7 +12,7 @@ from ...models.equilibrium import Equilibrium
 __all__ = ["outline", "rounded"]
 
 Point = tuple[float, float]
-_PLACES = 41
+_PLACES = 41  # points of the drawn centerline
 
 
 def rounded(values: ArrayLike) -> list[Any]:

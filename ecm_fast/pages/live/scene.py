@@ -20,7 +20,7 @@ from .drawing import outline, rounded
 __all__ = ["Scene", "parsed"]
 
 Array = NDArray[np.float64]
-_SIDE = 25
+_SIDE = 25  # points a side of the grid of tendon forces
 _GRID = np.stack(np.meshgrid(*2 * [np.linspace(0.0, LAM_MAX, _SIDE)], indexing="ij"), axis=-1).reshape(-1, 2)
 # Gauss-Newton steps towards a place that the head is dragged to
 _STEPS = 12

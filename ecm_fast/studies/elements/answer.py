@@ -11,7 +11,7 @@ from .study import ElementStudy, Measured, needed
 
 __all__ = ["ASKED", "answer", "by_kind", "counts_needed"]
 
-ASKED = (1e-3, 1e-4, 1e-6)
+ASKED = (1e-3, 1e-4, 1e-6)  # accuracies of the answer: a picture, a camera of 0.01 mm, the default of a model
 _PAPER = 20  # linear elements, in the paper's comparison of times
 _ORDERS = ("linear", "quadratic", "cubic", "quartic", "quintic", "sextic")
 _STRAINS = (("linear-strain", "quadratic"), ("quadratic-strain", "cubic"), ("cubic-strain", "quartic"))

@@ -17,8 +17,9 @@ __all__ = ["Candidate", "candidates", "ending_at_jumps", "graded", "stiffness_ju
 
 _ORDERS = ("constant", "linear", "quadratic", "cubic", "quartic", "quintic", "sextic")
 _NUMBERS = ("no", "one", "two", "three", "four")
+# numbers of equal elements for low orders: about doubled, with the paper's 20
 _MANY = (1, 2, 5, 10, 20, 40, 80, 160, 320)
-_FEW = (1, 2, 3, 4, 6, 10)
+_FEW = (1, 2, 3, 4, 6, 10)  # the same for high orders, which need few
 # family, order, Gauss points, how many elements
 _KINDS: tuple[tuple[str, int, int, tuple[int, ...]], ...] = (
     ("lagrange", 1, 1, _MANY),
@@ -37,7 +38,7 @@ _KINDS: tuple[tuple[str, int, int, tuple[int, ...]], ...] = (
 )
 _GRADED_KINDS, _GRADED = (("lagrange", 1), ("lagrange", 3), ("se2", 1)), (4, 10)
 _ALIGNED_KINDS = (*(("lagrange", order) for order in range(1, 6)), ("se2", 1), ("strain", 2), ("strain", 3))
-_ALIGNED = (1, 4, 8, 16)
+_ALIGNED = (1, 4, 8, 16)  # numbers of elements whose borders lie on jumps of the stiffness
 
 
 @dataclass(frozen=True)

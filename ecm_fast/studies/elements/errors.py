@@ -21,7 +21,7 @@ from .candidates import Candidate, ending_at_jumps
 __all__ = ["LARGEST_TENDON_FORCE", "ROUNDING", "Converged", "LoadSet", "converged", "error_maps", "errors", "short"]
 
 Array = NDArray[np.float64]
-LARGEST_TENDON_FORCE = 160.0
+LARGEST_TENDON_FORCE = 160.0  # [N], the paper's Section 3
 # below these, Newton's last step and rounding hide what the discretization leaves
 _TOLERANCE, ROUNDING = 1e-13, 1e-13
 _FINEST_ORDER, _FINEST = 6, (4, 8, 16, 32, 64)

@@ -27,6 +27,7 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+# the largest error of 300 cases is above the 99th percentile with 95 %; a thousand others confirm it
 _CASES, _FRESH = 300, 1000
 # a repetition that is shorter than a turn of the scheduler, of fewer cases than a batch fits its start to
 _SHORT, _ROUNDS, _MOST_CASES = 2e-3, 7, 1000

@@ -29,7 +29,7 @@ __all__ = [
 
 CHANNELS = ("x_m", "z_m", "theta_rad")
 COMPONENTS = ("fx_N", "fz_N", "tau_Nm")
-MM, DEG = 1e3, 180.0 / math.pi
+MM, DEG = 1e3, 180.0 / math.pi  # factors from m and rad to mm and deg
 NOT_GIVEN, UNKNOWN = "not given", "cannot be checked"
 NOT_PUBLIC = f"{UNKNOWN}: the measurements are not public"
 SIMULATED = "SIMULATED: no one measured this"

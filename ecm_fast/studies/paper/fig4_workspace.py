@@ -14,9 +14,10 @@ from .claims import CHANNELS, DEG, MM, NOT_GIVEN, UNKNOWN, PaperClaim, Part, by_
 
 __all__ = ["workspace"]
 
-_COVERED = 0.95
+_COVERED = 0.95  # the paper's Fig. 4 is a picture: nineteen of twenty poses must lie in what it shows
+# tendon forces [N] of the three shapes that are drawn: rest, one tendon, both
 _SHAPES = ((0.0, 0.0), (160.0, 0.0), (40.0, 120.0))
-_PLACES = 60
+_PLACES = 60  # points of a drawn centerline
 
 
 def workspace(seed: int = 0, n: int = 1000) -> Part:

@@ -18,10 +18,11 @@ __all__ = ["draw", "wrenches"]
 
 Array = NDArray[np.float64]
 
-_LIMIT = 0.02
+_LIMIT = 0.02  # the 2 % of the paper's Fig. 5
 _SMALL = np.array([2.0, 2.0, 0.2])
 """Within these [N, N, N m] lie all points that the paper's polynomial misses by more than 2 %."""
-_MOST = 0.5
+_MOST = 0.5  # "most" poses, as the paper says of those within 2 %: more than half
+# [m]: the presets, and 3 mm either way of the short one, whose length the paper does not give
 _LENGTHS = (0.037, 0.040, 0.043, 0.109)
 _NAMES = (("fx", "N"), ("fz", "N"), ("τ", "N m"))
 

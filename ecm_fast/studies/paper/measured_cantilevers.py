@@ -17,8 +17,8 @@ __all__ = ["fitted_modulus", "silicone", "square_section", "steel"]
 
 _SIDE = 0.030
 """[m] of the silicone beam's square section."""
-_STEEL_BOUND = 0.007
-_SAG_BOUND, _ROTATION_BOUND = 0.10, 1.0
+_STEEL_BOUND = 0.007  # share of the length: the bound that the claim states
+_SAG_BOUND, _ROTATION_BOUND = 0.10, 1.0  # share, and degrees: bounds that the claims state
 
 
 def steel() -> Part:

@@ -19,7 +19,7 @@ __all__ = ["coefficient_count", "kinds"]
 
 Array = NDArray[np.float64]
 
-_DEGREES = (2, 3, 4, 5)
+_DEGREES = (2, 3, 4, 5)  # about the paper's cubic
 _KINDS = {"free": False, "conservative": True}
 _SAME, _BETTER = 1.1, 0.9
 """Rms errors up to the first of these factors count as no worse, up to the second as better."""

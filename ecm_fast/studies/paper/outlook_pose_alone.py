@@ -31,8 +31,8 @@ _CHANGES: dict[str, dict[str, float]] = {
     "tipped by 30 deg": {"gravity_tilt": np.pi / 6.0},
     "head's center of mass 10 mm to the side": {"b": 0.01},
 }
-_OFF_BOUND = 0.01
-_STEPS, _CONVERGED = 20, 1e-11
+_OFF_BOUND = 0.01  # share of the range: the bound that the claim states
+_STEPS, _CONVERGED = 20, 1e-11  # Newton steps at most, and the relative misfit that ends them
 _PUSH, _SIDE = 900.0, 1.0
 """Largest push, and the side force that decides where the neck yields to it [N]."""
 _NAMES = ("fx", "fz", "τ")

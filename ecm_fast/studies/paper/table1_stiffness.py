@@ -27,9 +27,9 @@ _COMPRESSED = {28: (7448.94, 8972.10), 40: (7591.09, 9071.84)}
 """EA [N] by the length [mm] of the specimen, neo-Hookean and Hookean (Table 1)."""
 _SHEARED = {"1": ("33 N", 2405.0, 2.993), "2": ("66 N", 2422.0, 3.003)}
 """Largest force, GA [N] and EI [N m^2] (Table 1) by the session of the simulated test."""
-_SHORTENING = 0.2
-_RATIO_BOUND, _DIVISION_BOUND = 0.005, 0.005
-_SIGMAS = 3.0
+_SHORTENING = 0.2  # the largest shortening of the compression test, Section 2.4
+_RATIO_BOUND, _DIVISION_BOUND = 0.005, 0.005  # shares: bounds that the claims state
+_SIGMAS = 3.0  # one in 370 by chance
 _X, _SHEAR = ("x",), ("z", "theta")
 """Channels that enter the misfit, (43) and below (45)."""
 _PAPER = {"elements": 20, "order": 1}
