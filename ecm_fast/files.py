@@ -1,4 +1,4 @@
-"""Atomic file writing, text tables, and JSON-compatible values."""
+"""Input files read with care, atomic file writing, text tables, and JSON-compatible values."""
 
 import csv
 import errno
@@ -8,28 +8,92 @@ import os
 import stat
 import tempfile
 import threading
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from .errors import InputError, why
 
-__all__ = ["csv_text", "plain", "write_whole"]
+__all__ = ["csv_text", "inputs_kept", "plain", "read_whole", "refuse_input", "write_whole"]
+
+MOST_BYTES = 1 << 30
+"""Largest input file: ten million rows of CSV; what is larger is no file of measurements, and fills the memory."""
 
 _UMASK = threading.Lock()  # it can only be read by being set: two threads at once would leave the other's 0
+_Inode = tuple[int, int]  # device and number of a file, the same for all its names
+_inputs: dict[str, _Inode] | None = None  # what was read within `inputs_kept`, by its real path
+
+
+def read_whole(path: str | os.PathLike[str]) -> bytes:
+    """Return the content of an input file.
+
+    Only a regular file is read: a pipe may wait for a writer for ever, and a device need not end.
+
+    Raises
+    ------
+    OSError : the file cannot be read, is not a regular file, or is larger than `MOST_BYTES`.
+    ValueError : the path holds a NUL.
+    """
+    with open(path, "rb", opener=_open_at_once) as file:
+        about = os.fstat(file.fileno())
+        if not stat.S_ISREG(about.st_mode):
+            raise OSError(errno.EINVAL, "not a regular file; write what comes through it to one")
+        if about.st_size > MOST_BYTES:
+            raise OSError(errno.EFBIG, f"{about.st_size} bytes; allowed are {MOST_BYTES}")
+        if _inputs is not None:
+            _inputs[os.path.realpath(path)] = about.st_dev, about.st_ino
+        return file.read()
+
+
+def _open_at_once(path: str, flags: int) -> int:
+    """Open a file without waiting for a writer, should it be a pipe."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+
+
+@contextmanager
+def inputs_kept() -> Iterator[None]:
+    """Within it no file that `read_whole` has read is replaced by `write_whole`; for one command line at a time."""
+    global _inputs
+    before, _inputs = _inputs, {}
+    try:
+        yield
+    finally:
+        _inputs = before
+
+
+def refuse_input(path: str | os.PathLike[str]) -> None:
+    """Complain where an output would replace what was read within `inputs_kept`, under this or another name.
+
+    Raises
+    ------
+    InputError : it would.
+    """
+    if not _inputs:
+        return
+    try:
+        about = os.stat(path)
+    except (OSError, ValueError):  # nothing there to replace, or what `write_whole` complains about
+        return
+    if os.path.realpath(path) in _inputs or (about.st_dev, about.st_ino) in _inputs.values():
+        raise InputError(f"{os.fspath(path)}: is an input of this command, which its output must not replace; "
+                         "write to another folder or name")  # fmt: skip
 
 
 def write_whole(path: str | os.PathLike[str], content: str | bytes | Sequence[bytes | memoryview]) -> Path:
     """Write `content`, or its parts, to a temporary file beside `path`, then rename it over `path`.
 
-    A reader sees the old file or the new one, never a half; a full disk leaves the old one untouched.
+    A reader sees the old file or the new one, never a half, and after a power failure, too: the content is on disk
+    before its name is. A full disk leaves the old file untouched. Letters that are no text, as the names of files may
+    hold, are written as escapes.
 
     Raises
     ------
-    InputError : the file cannot be written; names the path and the system's reason.
+    InputError : the file cannot be written, or is an input, see `refuse_input`; names the path and the reason.
     """
     place = Path(path)
-    whole = content.encode() if isinstance(content, str) else content
+    refuse_input(place)
+    whole = content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content
     parts = [whole] if isinstance(whole, bytes) else whole
     temporary = None
     try:
@@ -40,6 +104,8 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes | Sequence[by
         handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
         with os.fdopen(handle, "wb") as file:
             file.writelines(parts)
+            file.flush()
+            os.fsync(handle)
         os.chmod(temporary, _mode(target))
         os.replace(temporary, target)
         temporary = None

@@ -12,7 +12,8 @@ import sys
 import traceback
 from collections.abc import Sequence
 
-from ..errors import InputError, NotConverged
+from ..errors import InputError, NotConverged, why
+from ..files import inputs_kept, read_whole
 from . import (
     bench,
     diagnose,
@@ -64,7 +65,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     # matrices are small here: threads of the linear algebra library would only fight over the cores
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
-        return _run(list(sys.argv[1:] if argv is None else argv))
+        with inputs_kept():
+            return _run(list(sys.argv[1:] if argv is None else argv))
     except SystemExit:  # argparse has printed the help or the version
         write(sys.stdout, "")
         return DONE
@@ -105,10 +107,14 @@ def _run(words: list[str]) -> int:
 def _load(path: str) -> None:
     """Run a Python file of the user's."""
     try:
+        read_whole(path)  # so that it is an input as others are
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be read ({why(error)})") from None
+    try:
         runpy.run_path(path)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError(f"{path}: {type(error).__name__}: {error}") from None
 
 

@@ -20,6 +20,7 @@ __all__ = [
     "Answer",
     "Command",
     "folder",
+    "outputs",
     "saved",
 ]
 
@@ -74,6 +75,21 @@ def folder(path: str) -> Path:
     except (OSError, ValueError) as error:
         raise InputError(f"--out {path}: cannot be made ({why(error)})") from None
     return Path(path)
+
+
+def outputs(*paths: Path) -> None:
+    """See, before anything is computed, that no output of a command would replace one of its inputs or another output.
+
+    Raises
+    ------
+    InputError : one would; names it.
+    """
+    from ..files import refuse_input
+
+    for i, path in enumerate(paths):
+        refuse_input(path)
+        if path.resolve() in [other.resolve() for other in paths[:i]]:
+            raise InputError(f"{path}: two outputs of this command would go there; give one of them another name")
 
 
 def saved(args: argparse.Namespace, answer: Mapping[str, Any]) -> tuple[str, ...]:

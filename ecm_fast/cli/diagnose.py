@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 from ._arguments import EXAMPLES, add_noise, finite_number, measurements, mechanism, numbers_by_name
-from ._command import DONE, Answer, Command, folder, saved
+from ._command import DONE, Answer, Command, folder, outputs, saved
 from ._terminal import Waiting
 
 if TYPE_CHECKING:
@@ -115,16 +115,17 @@ def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
     from ..diagnosis.checks.checks import check
 
     neck, common, tests = mechanism(args), _common(args), [measurements(path, args) for path in args.test]
+    path, page = folder(args.out or "out") / "mechanism.toml", _page_path(args)
+    outputs(path, *() if page is None else (page,))
     force = {"lam_N": common["force_sigma"]} if (common["force_sigma"] or 0.0) > 0.0 else {}
     noticed = _noticed(neck, [part.with_noise(force) for part in common["data"]])
     for part in tests:
         check(neck, part)  # a sign or a unit that is wrong there would look like an effect that does not carry over
     found = diagnose(neck, **common, test=tests, progress=waiting)
     said = found.to_json_dict()
-    path = folder(args.out or "out") / "mechanism.toml"
     found.mechanism.to_toml(path, _origin(found, args))
     waiting("what to measure next")
-    further, page = _next(neck, said, common), _page_path(args)
+    further = _next(neck, said, common)
     answer = {
         **said,
         "mechanism": str(path),

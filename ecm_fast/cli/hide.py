@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ._arguments import count, finite_number, mechanism
-from ._command import IN_OUT, Answer, Command, folder
+from ._command import IN_OUT, Answer, Command, folder, outputs
 
 __all__ = ["COMMAND"]
 
@@ -54,11 +54,10 @@ def _run(args: argparse.Namespace) -> Answer:
     effects = dict(args.effect)
     if len(effects) < len(args.effect):
         raise InputError("--effect: a name is given twice; say each once")
-    data, truth = hide(
-        mechanism(args), effects, design=args.design, seed=args.seed, noise=args.noise, sessions=args.sessions
-    )
-    place = folder(args.out or "out")
+    neck, place = mechanism(args), folder(args.out or "out")
     path, kept = place / "sealed.csv", Path(args.truth) if args.truth else place / "truth.json"
+    outputs(path, kept)
+    data, truth = hide(neck, effects, design=args.design, seed=args.seed, noise=args.noise, sessions=args.sessions)
     data.to_csv(path, _COMMENT)
     truth.to_json(kept)
     answer = {"data": path, "truth": kept, "rows": data.n}

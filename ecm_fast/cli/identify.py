@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 from ._arguments import add_model, discretization, finite_number, mechanism
-from ._command import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder
+from ._command import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder, outputs
 
 if TYPE_CHECKING:
     from ..identification.result import Identification
@@ -42,6 +42,8 @@ def _run(args: argparse.Namespace) -> Answer:
     chosen: dict[str, Any] = {**discretization(args)}
     if args.channels is not None:
         chosen["channels"] = args.channels
+    path = folder(args.out or "out") / "identified.toml"
+    outputs(path)
     fit = identify(
         neck,
         data,
@@ -51,7 +53,6 @@ def _run(args: argparse.Namespace) -> Answer:
         force_sigma=args.force_sigma,
         **chosen,
     )
-    path = folder(args.out or "out") / "identified.toml"
     fit.mechanism.to_toml(path)
     shown = [f"left out: {where}: {reason}" for where, reason in fit.left_out[:_SHOWN]]
     notes = (*(f"warning: {text}" for text in fit.warnings), *shown, f"wrote {path}")

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, shown, why
+from ..files import read_whole
 from ._arguments import EXAMPLES, count, finite_number, numbers_by_name
 from ._command import Answer, Command, saved
 
@@ -65,8 +66,8 @@ def _run(args: argparse.Namespace) -> Answer:
 def _read(path: str) -> dict[str, Any]:
     place = Path(path) / "diagnose.json" if Path(path).is_dir() else Path(path)
     try:
-        result = json.loads(place.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        result = json.loads(read_whole(place))
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{place}: cannot be read as the result of a diagnosis ({why(error)}); "
                          f"ecm-fast diagnose DATA --out DIR writes DIR/diagnose.json") from None  # fmt: skip
     missing = [name for name in ("inputs", "models", "noise") if not isinstance(result, dict) or name not in result]

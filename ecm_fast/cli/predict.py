@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ._arguments import add_model, add_noise, discretization, measurements, mechanism
-from ._command import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder
+from ._command import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder, outputs
 
 if TYPE_CHECKING:
     from ..models.instruments.prediction import Prediction
@@ -29,6 +29,7 @@ def _run(args: argparse.Namespace) -> Answer:
 
     neck, data = mechanism(args), measurements(args.data, args)
     path = folder(args.out or "out") / "predicted.csv"
+    outputs(path)
     prediction = predict(neck, data, **discretization(args))
     prediction.to_csv(path)
     counts, rms = prediction.counts, prediction.rms

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, why
+from ..files import read_whole
 from .columns import is_note, match
 from .matlab import Unreadable, read_level5
 
@@ -47,10 +48,9 @@ def read_table(path: str | os.PathLike[str]) -> RawTable:
     target = Path(path)
     reader = _READERS.get(target.suffix.lower())
     try:
-        with target.open("rb") as stream:
-            if reader is None:
-                raise InputError(f"file type {target.suffix!r} is not known; allowed are {', '.join(_READERS)}")
-            content = stream.read()
+        content = read_whole(target)
+        if reader is None:
+            raise InputError(f"file type {target.suffix!r} is not known; allowed are {', '.join(_READERS)}")
     except InputError:
         raise
     except (OSError, ValueError) as error:  # a ValueError is a path with a NUL in it

@@ -4,11 +4,10 @@ import os
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields
-from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, did_you_mean, key_shown, shown, why
-from ..files import write_whole
+from ..files import read_whole, write_whole
 from .catalogue import CATALOGUE
 from .parameters import PARAMETERS
 from .quantity import Quantity
@@ -26,7 +25,7 @@ def read_values(path: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
         file, key, value and what is allowed.
     """
     try:
-        content = tomllib.loads(Path(path).read_bytes().decode("utf-8-sig"))
+        content = tomllib.loads(read_whole(path).decode("utf-8-sig"))
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({why(error)})") from None
     except (ValueError, RecursionError) as error:

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -537,9 +538,12 @@ def test_a_terminal_that_knows_ascii_alone(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_ctrl_c(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / "neck.toml")  # reading it waits until somebody writes
-    running = process("solve", "--tendons", "1", "2", "--mechanism", "neck.toml", cwd=tmp_path)
-    with open(tmp_path / "neck.toml", "wb"):  # opens when the command has
-        running.send_signal(signal.SIGINT)
-        out, err = running.communicate(timeout=60)
+    """A sweep of a million million cases does not end by itself."""
+    text = "[sweep]\ncases = 1_000_000_000_000\nkeep = 'statistics'\n[inputs]\nlam_l = [0, 9]\n"
+    (tmp_path / "spec.toml").write_text(text)
+    running = process("sweep", "spec.toml", "--out", "out", cwd=tmp_path)
+    while not (tmp_path / "out" / "sweep.json").exists() and running.poll() is None:
+        time.sleep(0.01)
+    running.send_signal(signal.SIGINT)
+    out, err = running.communicate(timeout=60)
     assert (running.returncode, out, err) == (130, "", "ecm-fast: interrupted\n")

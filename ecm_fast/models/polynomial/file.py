@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...data.columns import COLUMNS
 from ...errors import InputError, shown, why
-from ...files import write_whole
+from ...files import read_whole, write_whole
 from ...kernels.polynomial import DEGREES, exponents
 from .multivariate import Polynomial
 
@@ -52,7 +52,7 @@ def read_fields(
     InputError : the file cannot be read, is damaged, or holds something else; names it and what is wrong.
     """
     try:
-        content = json.loads(Path(path).read_bytes(), parse_constant=_no_constant)
+        content = json.loads(read_whole(path), parse_constant=_no_constant)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({why(error)})") from None
     except (ValueError, RecursionError) as error:

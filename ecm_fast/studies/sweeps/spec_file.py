@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, did_you_mean, key_shown, shown, why
+from ...files import read_whole
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find
 from ...models.loads import MIN_TOLERANCE
@@ -55,7 +56,7 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> SweepSpec:
     if isinstance(source, Mapping):
         return _spec(source, Path())
     try:
-        content = tomllib.loads(Path(source).read_bytes().decode("utf-8-sig"))
+        content = tomllib.loads(read_whole(source).decode("utf-8-sig"))
     except OSError as error:
         raise InputError(f"{source}: cannot be read ({why(error)})") from None
     except (ValueError, RecursionError) as error:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, shown, why
-from ...files import write_whole
+from ...files import read_whole, write_whole
 
 __all__ = ["Truth"]
 
@@ -67,7 +67,7 @@ class Truth:
         InputError : the file cannot be read or is no truth; names it and why.
         """
         try:
-            found: Any = json.loads(Path(path).read_text(encoding="utf-8"))
+            found: Any = json.loads(read_whole(path))
         except (OSError, ValueError, RecursionError) as error:
             raise InputError(f"{path}: cannot be read as a truth ({why(error)})") from None
         kinds = {entry.name: type(getattr(cls(), entry.name)) for entry in fields(cls)}

@@ -4,10 +4,10 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, why
+from ...files import read_whole
 from .ground_truth import Truth
 
 __all__ = ["Score", "score"]
@@ -107,7 +107,7 @@ def _answer(result: Any) -> tuple[Mapping[str, Any], str]:
     if isinstance(result, Mapping):
         return result, "result"
     try:
-        found: Any = json.loads(Path(result).read_text(encoding="utf-8"))
+        found: Any = json.loads(read_whole(result))
     except (OSError, ValueError, TypeError, RecursionError) as error:
         raise InputError(f"{result}: cannot be read as an answer ({why(error)})") from None
     return found, str(result)
