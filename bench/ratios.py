@@ -25,7 +25,7 @@ from ecm_fast.kernels.condensed.order4 import sweep
 from ecm_fast.kernels.layout import LANES
 from ecm_fast.models import reference
 from ecm_fast.models.paths.condensed import columns
-from ecm_fast.timing import Timing, in_turn, nothing
+from ecm_fast.studies.timing import Timing, in_turn, nothing
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "bench"))

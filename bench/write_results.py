@@ -16,7 +16,7 @@ from scipy.linalg import solve_banded
 
 import ecm_fast as ecm
 from ecm_fast.models import reference
-from ecm_fast.timing import in_turn, machine
+from ecm_fast.studies.timing import in_turn, machine
 
 README = Path(__file__).resolve().parent.parent / "README.md"
 START, END = "<!-- table: written by bench/write_results.py -->", "<!-- end of table -->"

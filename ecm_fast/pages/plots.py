@@ -20,7 +20,6 @@ from ..kernels.general.tip import tendon_directions
 from ..models.equilibrium import Equilibrium
 from ..models.finite_element import FiniteElementModel
 from ..models.instruments.prediction import Prediction
-from ..timing import shown_time
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,6 +38,7 @@ __all__ = [
     "plot_times",
     "plot_workspace",
     "random_tendon_forces",
+    "shown_time",
 ]
 
 Array = NDArray[np.float64]
@@ -291,3 +291,11 @@ def _draw_residuals(top: Axes, bottom: Axes, predicted: Array, residual: Array, 
     for axes in (top, bottom):
         axes.grid(True)
         axes.margins(0.08)
+
+
+def shown_time(seconds: float) -> str:
+    """Return a time with three digits and the unit that suits it."""
+    for unit, size in (("ns", 1e-9), ("us", 1e-6), ("ms", 1e-3)):
+        if seconds < 999.5 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.3g} s"

@@ -16,7 +16,8 @@ import pytest
 from ecm_fast import Mechanism, Warmup, warmup
 from ecm_fast.cli import main
 from ecm_fast.errors import InputError
-from ecm_fast.timing import EMPTY, Timing, each_in_turn, in_turn, machine, shown_time
+from ecm_fast.pages.plots import shown_time
+from ecm_fast.studies.timing import EMPTY, Timing, each_in_turn, in_turn, machine
 
 
 class Clock:

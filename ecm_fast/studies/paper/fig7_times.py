@@ -31,8 +31,8 @@ from ...models import reference
 from ...models.finite_element import FiniteElementModel
 from ...models.polynomial.model import PolynomialModel
 from ...models.polynomial.training import training_poses
-from ...pages.plots import picture_bytes, plot_times, random_tendon_forces
-from ...timing import EMPTY, each_in_turn, machine, nothing, shown_time
+from ...pages.plots import picture_bytes, plot_times, random_tendon_forces, shown_time
+from ..timing import EMPTY, each_in_turn, machine, nothing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

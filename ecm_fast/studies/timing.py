@@ -19,7 +19,9 @@ from itertools import repeat
 from pathlib import Path
 from typing import Any
 
-__all__ = ["EMPTY", "Timing", "each_in_turn", "in_turn", "machine", "nothing", "shown_time"]
+from ..pages.plots import shown_time
+
+__all__ = ["EMPTY", "Timing", "each_in_turn", "in_turn", "machine", "nothing"]
 
 EMPTY = "a call that does nothing"
 """Name under which the control is found among the timings."""
@@ -177,11 +179,3 @@ def _processor() -> str:
             if line.startswith("model name"):
                 return line.split(":", 1)[1].strip()
     return platform.processor() or platform.machine()
-
-
-def shown_time(seconds: float) -> str:
-    """Return a time with three digits and the unit that suits it."""
-    for unit, size in (("ns", 1e-9), ("us", 1e-6), ("ms", 1e-3)):
-        if seconds < 999.5 * size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds:.3g} s"
