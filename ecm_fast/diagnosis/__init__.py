@@ -9,7 +9,7 @@ from .results.diagnosis import (
     Model,
     Remainder,
     Rms,
-    Rows,
+    RowFindings,
     Transfer,
     Where,
 )
@@ -26,7 +26,7 @@ __all__ = [
     "Plan",
     "Remainder",
     "Rms",
-    "Rows",
+    "RowFindings",
     "Study",
     "Transfer",
     "Where",

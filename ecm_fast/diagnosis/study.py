@@ -24,7 +24,7 @@ from .proof.discrepancy import remainder
 from .proof.external_validation import transfer
 from .proof.holdout_error import Residuals, gap
 from .proof.localization import compliances, where, wrenches
-from .results.diagnosis import Diagnosis, Noise, Rows, Transfer
+from .results.diagnosis import Diagnosis, Noise, RowFindings, Transfer
 from .results.external_validation import not_carried
 from .results.plan import Plan
 from .search.fit import Fit, refit
@@ -269,13 +269,15 @@ def _median(values: NDArray[np.float64]) -> float:
     return float(np.median(values)) if values.size else np.nan
 
 
-def _rows(problem: Problem, opened: Residuals, state: State, view: Linearization, far: NDArray[np.int64]) -> Rows:
+def _rows(
+    problem: Problem, opened: Residuals, state: State, view: Linearization, far: NDArray[np.int64]
+) -> RowFindings:
     outlier = np.zeros(problem.rows.n, dtype=bool)
     outlier[[*view.outliers, *far]] = True
     used = np.zeros((problem.rows.n, 3), dtype=bool)
     used[view.rows] = view.used
     compliance = compliances(problem, state)
-    return Rows(
+    return RowFindings(
         data=problem.data,
         locked=problem.locked,
         outlier=outlier,

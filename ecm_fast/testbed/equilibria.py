@@ -19,7 +19,7 @@ from ..data.measurements import Measurements
 from ..errors import InputError
 from ..mechanism.mechanism import Mechanism
 from .history import Past, aged, needs_past, new, tendon_forces
-from .laws import Parameters, Rows, chosen, length, named, plate, tip_wrench
+from .laws import Loads, Parameters, chosen, length, named, plate, tip_wrench
 from .strong_form import differentiated, integrate
 
 __all__ = ["Equilibria", "Outcome", "equilibria"]
@@ -121,7 +121,7 @@ def _followed(
     slope : (3, n) how the unknowns are expected to grow with the load
     """
     n, slope = loads.n, slope.copy()
-    rows = Rows(lam, loads.wrench.T, loads.extra_mass, loads.tilt, np.ones(n))
+    rows = Loads(lam, loads.wrench.T, loads.extra_mass, loads.tilt, np.ones(n))
     unknown, pose = np.zeros((3, n)), np.full((3, n), np.nan)
     factor, step = np.zeros(n), np.full(n, 1.0 / load_steps)
     outcome = np.full(n, Outcome.LOST, dtype=np.int64)
@@ -139,7 +139,7 @@ def _followed(
     return Equilibria(pose.T.copy(), outcome, factor, loads), unknown
 
 
-def _newton(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+def _newton(p: Parameters, rows: Loads, unknown: Array) -> tuple[Array, Array, NDArray[np.int64]]:
     """Return unknowns (3, n), poses (3, n) and outcomes (n,) from a guess of the unknowns (3, n).
 
     A row is given up when an iterate is unstable, a step is more than half the one before, or a step moves the tip
@@ -168,7 +168,7 @@ def _newton(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, Array, ND
     return unknown, pose, outcome
 
 
-def _shoot(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+def _shoot(p: Parameters, rows: Loads, unknown: Array) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
     """Newton's step (3, n), pose of Q (3, n), its derivative by the unknowns (3, 3, n), and whether it is stable."""
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # a row that leaves the laws' domain is nan
         path, sound = integrate(p, rows, unknown)

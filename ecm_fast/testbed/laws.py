@@ -22,8 +22,8 @@ from . import outside
 
 __all__ = [
     "BUILT_IN",
+    "Loads",
     "Parameters",
-    "Rows",
     "beam_weight",
     "chosen",
     "clamp",
@@ -46,7 +46,7 @@ _SIDES = (1.0, -1.0)  # left, right
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class Loads:
     """Loads, one entry a row.
 
     Attributes
@@ -64,13 +64,13 @@ class Rows:
     tilt: Array
     share: Array
 
-    def grown_to(self, factor: Array) -> "Rows":
+    def grown_to(self, factor: Array) -> "Loads":
         """Return the rows with a share of all their loads, `factor` (n,)."""
         return replace(self, lam=self.lam * factor, wrench=self.wrench * factor, share=self.share * factor)
 
-    def select(self, which: Array) -> "Rows":
+    def select(self, which: Array) -> "Loads":
         """Return some of the rows."""
-        return Rows(**{entry.name: getattr(self, entry.name)[..., which] for entry in fields(self)})
+        return Loads(**{entry.name: getattr(self, entry.name)[..., which] for entry in fields(self)})
 
 
 def named(mechanism: Mechanism, hidden: Mapping[str, float] | None = None) -> dict[str, Any]:
@@ -124,13 +124,13 @@ def plate(p: Parameters, tip: Array) -> Array:
 # --- weights
 
 
-def _gravity(p: Parameters, rows: Rows) -> Array:
+def _gravity(p: Parameters, rows: Loads) -> Array:
     """Acceleration of gravity, (2, n) [m/s^2], while it grows."""
     angle = rows.tilt + p["effects.gravity_tilt"]
     return -p["gravity.g"] * rows.share * np.stack([np.cos(angle), np.sin(angle)])
 
 
-def beam_weight(p: Parameters, rows: Rows) -> Array:
+def beam_weight(p: Parameters, rows: Loads) -> Array:
     """Weight per undeformed length, (2, n) [N/m]."""
     return (p["beam.mass_per_length"] + p["effects.beam_mass"]) * _gravity(p, rows)
 
@@ -138,7 +138,7 @@ def beam_weight(p: Parameters, rows: Rows) -> Array:
 # --- what acts at the head
 
 
-def tip_wrench(p: Parameters, rows: Rows, pose: Array) -> Array:
+def tip_wrench(p: Parameters, rows: Loads, pose: Array) -> Array:
     """Wrench at Q, (3, ...): f_x, f_z [N] and tau [N m] of all that acts at the head in a pose of the plate."""
     mass = p["head.mass"] + p["effects.head_mass"] + rows.extra_mass
     height, sideways = p["head.h"] + p["effects.head_com_height"], p["head.b"] + p["effects.head_com_sideways"]
@@ -156,7 +156,7 @@ def _spread(pose: Array, vector: Array) -> Array:
     return vector[:, None] if pose.ndim == 3 else vector
 
 
-def _surroundings(p: Parameters, rows: Rows, pose: Array) -> Array:
+def _surroundings(p: Parameters, rows: Loads, pose: Array) -> Array:
     """Wrench at Q, (3, ...), of cables, springs and stops."""
     _, z, theta = pose
     side = p["effects.side_force"] * rows.share - p["effects.lateral_spring"] * z + outside.wall(p, z)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .laws import Parameters, Rows, beam_weight, clamp, length
+from .laws import Loads, Parameters, beam_weight, clamp, length
 from .section import jumps, section
 
 __all__ = ["differentiated", "integrate"]
@@ -30,7 +30,7 @@ _STEP = 1e-30  # complex step: the error is its square
 _PROBES = 1j * _STEP * np.eye(3)[:, :, None]  # complex steps along the three strains
 
 
-def integrate(p: Parameters, rows: Rows, unknown: Array) -> tuple[Array, NDArray[np.bool_]]:
+def integrate(p: Parameters, rows: Loads, unknown: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Integrate from clamp to tip.
 
     Returns x, z, theta, M and, along the second axis, their derivatives by the unknowns at every step of the

@@ -8,7 +8,19 @@ from ...files import plain
 from ...identification.result import Estimate
 from ...mechanism.mechanism import Mechanism
 from .external_validation import Transfer
-from .findings import Claim, Detectability, HoldoutMisfit, LackOfFit, Model, Noise, Remainder, Rms, Rows, Verdict, Where
+from .findings import (
+    Claim,
+    Detectability,
+    HoldoutMisfit,
+    LackOfFit,
+    Model,
+    Noise,
+    Remainder,
+    Rms,
+    RowFindings,
+    Verdict,
+    Where,
+)
 
 __all__ = [
     "Claim",
@@ -20,7 +32,7 @@ __all__ = [
     "Noise",
     "Remainder",
     "Rms",
-    "Rows",
+    "RowFindings",
     "Transfer",
     "Verdict",
     "Where",
@@ -75,7 +87,7 @@ class Diagnosis:
     missing: tuple[str, ...]
     warnings: tuple[str, ...]
     alarms: tuple[str, ...]
-    rows: Rows
+    rows: RowFindings
     seconds: float
 
     @property

@@ -19,7 +19,7 @@ __all__ = [
     "Noise",
     "Remainder",
     "Rms",
-    "Rows",
+    "RowFindings",
     "Verdict",
     "Where",
 ]
@@ -228,7 +228,7 @@ class HoldoutMisfit:
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class RowFindings:
     """Row by row, the experiments one below the other, for tables and pictures.
 
     Attributes
