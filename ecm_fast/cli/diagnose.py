@@ -6,6 +6,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..data.columns import CAMERA_SIGMA
 from ..errors import InputError
 from ._arguments import EXAMPLES, add_noise, finite_number, measurements, mechanism, numbers_by_name
 from ._command import DONE, Answer, Command, folder, outputs, saved
@@ -22,7 +23,6 @@ __all__ = ["DIAGNOSE", "PLAN", "VERDICT_CODES"]
 VERDICT_CODES = {"named": 10, "family": 11, "outside_catalogue": 12, "nothing_found": 13, "data_gap": 20}
 _CODES = ", ".join(f"{code} {name}" for name, code in VERDICT_CODES.items())
 _SHOWN = 8  # lines that fit a screen
-_USUAL_NOISE = (1e-4, 1e-4, 1e-3)
 """[m, m, rad] of a channel that was not measured."""
 
 
@@ -182,7 +182,7 @@ def _next(neck: "Mechanism", said: dict[str, Any], common: dict[str, Any]) -> "N
     rivals = [] if alone else rivals_of(neck, common["data"], sets, **known)
     if len(rivals) < 2:
         return None
-    sigma = [value or usual for value, usual in zip(said["noise"]["sigma"], _USUAL_NOISE, strict=True)]
+    sigma = [value or usual for value, usual in zip(said["noise"]["sigma"], CAMERA_SIGMA, strict=True)]
     return next_loads(rivals, common["data"], sigma=sigma, **known)
 
 

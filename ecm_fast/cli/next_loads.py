@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..data.columns import CAMERA_SIGMA
 from ..errors import InputError, shown, why
 from ..files import read_whole
 from ._arguments import EXAMPLES, count, finite_number, numbers_by_name
@@ -57,7 +58,7 @@ def _run(args: argparse.Namespace) -> Answer:
         text = f"nothing to tell apart: {why}"
         answer: dict[str, Any] = {"set": [rival.name for rival in rivals], "next": []}
         return Answer(answer, text, saved(args, answer))
-    known = [value or least for value, least in zip(sigma, (1e-4, 1e-4, 1e-3), strict=True)]
+    known = [value or least for value, least in zip(sigma, CAMERA_SIGMA, strict=True)]
     found = next_loads(rivals, data, sigma=known, force_sigma=force, minutes=args.minutes, repeats=args.repeats,
                        priors=priors, pool=pool, first_alone=alone)  # fmt: skip
     return Answer(found.to_json_dict(), _text(found, alone), saved(args, found.to_json_dict()))

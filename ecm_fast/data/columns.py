@@ -11,9 +11,18 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, did_you_mean
 
-__all__ = ["COLUMNS", "Column", "column_of", "is_note", "match"]
+__all__ = ["CAMERA_SIGMA", "CHANNELS", "CHANNEL_KEYS", "COLUMNS", "LOADS", "Column", "column_of", "is_note", "match"]
 
 Units = Mapping[str, tuple[float, float]]
+
+LOADS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt")
+"""What is set for a row: tendon forces, dead wrench at Q, and what is changed on the test bed."""
+CHANNELS = ("x", "z", "theta")
+"""What is read of a pose."""
+CHANNEL_KEYS = ("x_m", "z_m", "theta_rad")
+"""The same with their units, as files and JSON have them."""
+CAMERA_SIGMA = (1e-4, 1e-4, 1e-3)
+"""[m, m, rad] noise of a camera of which nothing is known."""
 
 # SI value = value * times / per. Two factors, because 109 / 1000 is the double nearest 0.109 and 109 * 0.001 is not.
 LENGTH: Units = {"m": (1, 1), "cm": (1, 100), "mm": (1, 1000), "um": (1, 1_000_000)}
@@ -154,7 +163,7 @@ COLUMNS = _declared(
 _ALSO_CALLED = {"time": "t", "angle": "theta", "rotation": "theta", "mass": "extra_mass", "side": "fz", "torque": "tau"}
 _IGNORE = "start its name with note_ to have it ignored"
 
-_SUBJECTS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt", "x", "z", "theta")
+_SUBJECTS = (*LOADS, *CHANNELS)
 """A file without any of these says nothing about the neck."""
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data.columns import CAMERA_SIGMA, CHANNELS
 from ..data.measurements import Measurements
 from ..errors import InputError, shown
 from ..identification.rows import State
@@ -36,7 +37,6 @@ __all__ = ["Study", "diagnose", "plan"]
 
 Priors = Mapping[str, tuple[float, float]]
 
-DEFAULT_SIGMA = (1e-4, 1e-4, 1e-3)
 """Camera noise that a plan takes where nothing is declared [m, m, rad]."""
 
 
@@ -167,8 +167,8 @@ def plan(
 
 def _blank_filled(data: Measurements, pose: NDArray[np.float64]) -> Measurements:
     """Return measurements with the poses that the model predicts, and with noise where none is declared."""
-    columns = dict(zip(("x", "z", "theta"), pose.T.copy(), strict=True))
-    for name, sigma in zip(("sigma_x", "sigma_z", "sigma_theta"), DEFAULT_SIGMA, strict=True):
+    columns = dict(zip(CHANNELS, pose.T.copy(), strict=True))
+    for name, sigma in zip(("sigma_x", "sigma_z", "sigma_theta"), CAMERA_SIGMA, strict=True):
         own = getattr(data, name)
         columns[name] = np.where(np.isfinite(own) & (own > 0.0), own, sigma)
     return replace(data, **columns)
@@ -256,7 +256,7 @@ def _noise(view: Linearization) -> Noise:
     sigma = np.array([_median(view.weights.sigma[view.rows][view.used[:, i], i]) for i in range(3)])
     origin = {
         name: " and ".join(sorted(set(view.noise.origin[view.rows][view.used[:, i], i].tolist())))
-        for i, name in enumerate(("x", "z", "theta"))
+        for i, name in enumerate(CHANNELS)
     }
     x, z, theta = (float(value) for value in sigma)
     a, b, c = (float(value) for value in view.cleaned.scale)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data.columns import CHANNELS
 from ..data.measurements import Measurements
 from ..errors import InputError
 from ..mechanism.mechanism import Mechanism
@@ -20,7 +21,6 @@ __all__ = ["CHANNELS", "FitRows", "FitSet", "Noise", "State"]
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-CHANNELS = ("x", "z", "theta")
 DECLARED, REPLICATES, RESIDUAL = "declared", "replicates", "residual"
 """Where a standard deviation comes from."""
 

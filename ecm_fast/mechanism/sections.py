@@ -13,6 +13,7 @@ __all__ = [
     "EFFECT_QUANTITIES",
     "PRESETS",
     "SECTIONS",
+    "STIFFNESSES",
     "Beam",
     "Gravity",
     "Head",
@@ -47,6 +48,9 @@ class _Section:
         for entry in quantities(type(self)):
             object.__setattr__(self, entry.name, entry.check(getattr(self, entry.name)))
 
+
+STIFFNESSES = ("EA", "GA", "EI")
+"""What material tests identify."""
 
 _STIFFNESS = (1e-12, 1e15)  # [N, N m^2] bounds that refuse zero and overflow, and no mechanism
 _PLACE = (-1e3, 1e3)  # [m] bounds that refuse overflow, and no mechanism

@@ -13,6 +13,7 @@ from ..kernels.general.sensitivity import pose_sensitivities
 from ..kernels.layout import L_FX, L_GRAVITY, N_LOADS, N_OUT, N_STATION, N_TIP
 from ..mechanism.catalogue import CATALOGUE
 from ..mechanism.parameters import PLACES, find, index
+from ..mechanism.sections import STIFFNESSES
 from ..mesh.discretization import Discretization
 from .equilibrium import Status
 from .paths.condensed import solve_nodes
@@ -22,7 +23,6 @@ __all__ = ["Sensitivities", "sensitivities"]
 Array = NDArray[np.float64]
 # written out for Lagrange elements whose sections have the plain laws, the same along the beam; every other parameter
 # takes the complex step
-STIFFNESSES = ("EA", "GA", "EI")
 _PLAIN = ("precurvature", "precurvature_gradient", "neutral_axis_offset", "beam_length", "beam_mass")
 _FURTHER = [
     index(entry.size.key) for name, entry in CATALOGUE.items() if entry.enters == "section" and name not in _PLAIN

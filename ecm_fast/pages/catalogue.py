@@ -18,7 +18,7 @@ from ..mechanism.parameters import index
 from ..mechanism.vector import pack
 from ..testbed import tendon_test
 from .page import Picture, Section, Table, write_report
-from .plots import COLORS, FAINT, canvas
+from .plots import CHANNELS_MRAD, COLORS, FAINT, canvas
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,7 +28,6 @@ __all__ = ["look_alikes", "signatures", "sweep", "write_catalogue"]
 Array = NDArray[np.float64]
 
 _SIDE = 9  # points a side of the grid of tendon forces
-_UNITS = (("x", "mm", 1e3), ("z", "mm", 1e3), ("θ", "mrad", 1e3))
 _SHOWN = 4  # look-alikes that a row has room for
 _ALIKE = 0.7  # cosine from which signatures are called alike
 
@@ -131,7 +130,7 @@ def _figure(effects: Sequence[Effect], grid: Measurements, shapes: Array) -> Fig
     with canvas(7.2, 0.35 + 0.62 * len(effects)) as figure:
         axes = figure.subplots()
         for row, shape in enumerate(shapes):
-            for channel, (name, unit, scale) in enumerate(_UNITS):
+            for channel, (name, unit, scale) in enumerate(CHANNELS_MRAD):
                 values = shape[order, channel].reshape(_SIDE, _SIDE) * scale
                 size = float(np.nanmax(np.abs(values), initial=0.0))
                 place = 3.0 + 2.0 * channel

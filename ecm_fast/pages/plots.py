@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = [
+    "CHANNELS_MRAD",
     "COLORS",
     "FAINT",
     "LARGEST_TENDON_FORCE",
@@ -50,6 +51,8 @@ MINUS = "\N{MINUS SIGN}"
 _MM, _DEG = 1e3, 180.0 / np.pi  # factors from m and rad to mm and deg
 COLORS = ("#0b5394", "#c0392b", "#2e7d32", "#8e44ad", "#b9770e", "#117a8b", "#5d4037", "#ad1457")
 FAINT = "#8a8f98"
+CHANNELS_MRAD = (("x", "mm", _MM), ("z", "mm", _MM), ("θ", "mrad", 1e3))
+"""Channels as pictures of small misfits have them: symbol, unit, factor."""
 _CHANNELS = (("x", "mm", _MM), ("z", "mm", _MM), ("θ", "deg", _DEG))
 _STYLE: Any = {
     "font.size": 9.0,

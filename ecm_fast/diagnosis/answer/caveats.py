@@ -9,8 +9,9 @@ from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find
 from ...mechanism.quantity import Quantity
+from ...mechanism.sections import STIFFNESSES
 from ..problem.candidates import EffectCandidate
-from ..problem.stiffness_scale import STIFFNESSES
+from ..problem.stiffness_scale import STIFFNESS_KEYS
 from ..results.findings import Claim
 from ..search.fit import Fit
 from ..search.selection import Selection
@@ -68,7 +69,7 @@ def stiffness_caveats(
 
 
 def _doubts(calibration: Mapping[str, Estimate], mechanism: Mechanism, tested: Container[str]) -> Iterator[str]:
-    for name in ("EA", "GA", "EI"):
+    for name in STIFFNESSES:
         found, given = calibration[name], float(getattr(mechanism.beam, name))
         off, share = found.value - given, found.std / found.value
         own = f"{given:.4g} {found.unit}"
@@ -106,7 +107,7 @@ def _away(entry: Quantity, center: float, std: float, wanted: float, doubt: floa
     prior, own = (Estimate(value, sd, value, value, entry.unit) for value, sd in ((center, std), (wanted, doubt)))
     known = f"{off:.1f} standard deviations, of fit and test together, from {prior.rounded}"
     least = max(entry.lower, 0.0)
-    if wanted <= least and entry.key in STIFFNESSES:
+    if wanted <= least and entry.key in STIFFNESS_KEYS:
         return f"without any effect no physical {entry.name} fits the data: they want it to be none, {known}"
     return f"without any effect the data want {entry.name} = {own.rounded}, {known}"
 
@@ -114,7 +115,7 @@ def _away(entry: Quantity, center: float, std: float, wanted: float, doubt: floa
 def _range(found: Selection) -> Iterator[str]:
     fit = found.best
     place = {key: i for i, key in enumerate(fit.keys)}
-    ea, ga = place[STIFFNESSES[0]], place[STIFFNESSES[1]]
+    ea, ga = place[STIFFNESS_KEYS[0]], place[STIFFNESS_KEYS[1]]
     share = fit.values[ga] / fit.values[ea]
     relative = np.sqrt(fit.covariance[ea, ea]) / fit.values[ea] + np.sqrt(fit.covariance[ga, ga]) / fit.values[ga]
     low, high = _SHARE

@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.columns import CHANNELS
 from ...mechanism.parameters import find
 from ..problem.candidates import lacking
 from ..problem.linearization import Linearization
 from ..problem.problem import Problem
-from ..problem.stiffness_scale import STIFFNESSES
+from ..problem.stiffness_scale import STIFFNESS_KEYS
 from ..results.diagnosis import Detectability
 from ..statistics.lack_of_fit import NAMED, null_quantile
 from ..statistics.priors import SIZE_SPREAD
@@ -121,8 +122,8 @@ def informative_loads(view: Linearization) -> tuple[tuple[str, ...], Array]:
 
 def _material_tests(problem: Problem) -> Array:
     """Return rows (q, p) of tests of every stiffness, where the problem does not know them yet."""
-    rows = np.zeros((len(STIFFNESSES), len(problem.keys)))
-    for row, key in zip(rows, STIFFNESSES, strict=True):
+    rows = np.zeros((len(STIFFNESS_KEYS), len(problem.keys)))
+    for row, key in zip(rows, STIFFNESS_KEYS, strict=True):
         place, entry = problem.keys.index(key), find(key)
         scatter = entry.typical / entry.default * problem.start([key])[0]
         row[place] = problem.prior.rough[place] / scatter
@@ -133,7 +134,7 @@ def _problem(view: Linearization, pool: Pool) -> Problem:
     """Return the loads of a pool as measurements with the noise of a view."""
     problem, loads = view.problem, pool.data
     read, columns = view.weights.sigma[view.rows], dict[str, Any]()
-    for i, name in enumerate(("x", "z", "theta")):
+    for i, name in enumerate(CHANNELS):
         seen = view.used[:, i]
         columns[name] = np.full(loads.n, 0.0 if seen.any() else np.nan)
         sigma = view.cleaned.scale[i] * np.median(read[seen, i]) if seen.any() else np.nan

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from ...data.columns import COLUMNS
+from ...data.columns import CHANNELS, COLUMNS, LOADS
 from ...data.measurements import Measurements
 from ...errors import InputError, did_you_mean, shown
 
@@ -15,7 +15,6 @@ __all__ = ["ADD_ONS", "Pool"]
 
 Array = NDArray[np.float64]
 
-LOADS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt")
 _TENSION = (0.0, 40.0, 80.0, 120.0, 160.0)
 """[N], the range of the paper's Fig. 4."""
 _FX, _FZ, _TAU = (0.0, -150.0, -300.0), (0.0, 33.0, -33.0, 66.0, -66.0), (0.0, 6.0, -6.0)
@@ -98,7 +97,7 @@ class Pool:
     def data(self) -> Measurements:
         """The loads as measurements with blank poses."""
         columns = {COLUMNS[name].names[0]: values for name, values in zip(LOADS, self.loads.T, strict=True)}
-        blank = {COLUMNS[name].names[0]: [None] * len(self.loads) for name in ("x", "z", "theta")}
+        blank = {COLUMNS[name].names[0]: [None] * len(self.loads) for name in CHANNELS}
         return Measurements.from_columns({**columns, **blank}, source="loads to choose from")
 
     def minutes(self, i: int, mounted: set[str], repeats: int) -> float:

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ...data.columns import CAMERA_SIGMA
 from ...data.measurements import Measurements
 from ...errors import InputError, shown
 from ..results.next_loads import NextLoads, Suggestion
@@ -23,7 +24,7 @@ def next_loads(
     rivals: Sequence[Rival],
     data: Sequence[Measurements],
     *,
-    sigma: Sequence[float] = (1e-4, 1e-4, 1e-3),
+    sigma: Sequence[float] = CAMERA_SIGMA,
     force_sigma: float = 0.0,
     minutes: float = 20.0,
     repeats: int = 3,

@@ -12,11 +12,11 @@ from ...identification.identify import identify
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import index
+from ...mechanism.sections import STIFFNESSES
 from ...mechanism.vector import pack
 
 __all__ = ["STIFFNESSES", "Rival", "fitted_rivals", "in_question", "rivals_of"]
 
-STIFFNESSES = ("EA", "GA", "EI")
 _MOST = 5
 """Every ordered pair of them is refitted."""
 _NEAREST = 3

@@ -15,7 +15,7 @@ from ..statistics.lack_of_fit import NAMED, SMOOTH, score_test, trend_test
 from ..statistics.robust_noise import NoiseFit, RowOrder, clean, orthonormal
 from .candidates import EffectCandidate
 from .problem import Problem, Weights
-from .stiffness_scale import STIFFNESSES
+from .stiffness_scale import STIFFNESS_KEYS
 from .trends import smooth_columns
 
 __all__ = ["Linearization"]
@@ -290,7 +290,7 @@ class Linearization:
         start = dict(self.values)
         for key, move in zip(problem.keys, moves.tolist(), strict=False):
             now = self.values[key]
-            start[key] = now / max(1.0 - move / now, 0.2) if key in STIFFNESSES else now + move
+            start[key] = now / max(1.0 - move / now, 0.2) if key in STIFFNESS_KEYS else now + move
         for i, size in zip(places, sizes.tolist(), strict=True):
             start[self._of(i).keys[0]] = self._of(i).start[0] + size * self._of(i).spread[0]
         return start

@@ -20,7 +20,7 @@ from ..statistics.robust_noise import RowOrder
 from .candidates import EffectCandidate
 from .holdout import lock
 from .progress import Progress
-from .stiffness_scale import STIFFNESSES
+from .stiffness_scale import STIFFNESS_KEYS
 
 __all__ = ["DRIFT", "Problem", "Weights"]
 
@@ -71,7 +71,7 @@ class Problem:
         self.mechanism, self.data, self.candidates = mechanism, tuple(data), tuple(candidates)
         self.force_sigma, self.mesh, self.drift = force_sigma, _mesh(1, 5), DRIFT
         self.progress = progress or Progress()
-        self.keys = (*STIFFNESSES, *(key for key in uncertain if key not in STIFFNESSES))
+        self.keys = (*STIFFNESS_KEYS, *(key for key in uncertain if key not in STIFFNESS_KEYS))
         self.prior = self._priors(uncertain, priors)
         sizes = (effect.size for effect in CATALOGUE.values())
         self.tolerances = {size.key: size.tolerance for size in sizes if size.tolerance and size.key not in self.keys}
@@ -92,7 +92,7 @@ class Problem:
         known = {find(name).key: entry for name, entry in priors.items()}
         par, table = pack(self.mechanism), []
         for key in self.keys:
-            rough = key in STIFFNESSES and key not in known
+            rough = key in STIFFNESS_KEYS and key not in known
             center, std = known.pop(key, (float(par[index(key)]), ROUGHLY if rough else uncertain.get(key, np.inf)))
             if not 0.0 < std <= np.inf:
                 raise InputError(f"standard deviation {std!r} of the prior for {key}: allowed is a number > 0")

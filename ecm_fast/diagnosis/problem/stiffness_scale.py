@@ -6,11 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["STIFFNESSES", "Scales"]
+from ...mechanism.sections import STIFFNESSES
+
+__all__ = ["STIFFNESS_KEYS", "Scales"]
 
 Array = NDArray[np.float64]
 
-STIFFNESSES = ("beam.EA", "beam.GA", "beam.EI")
+STIFFNESS_KEYS = tuple(f"beam.{name}" for name in STIFFNESSES)
 _STIFFEST = 1e-3
 """Smallest compliance, in those of the start: stiffer than that, nothing can be told from rigid."""
 
@@ -31,7 +33,7 @@ class Scales:
     @classmethod
     def of(cls, keys: Sequence[str], start: Array) -> "Scales":
         """Return the scales of parameters by key, with their values at the start."""
-        stiff = np.isin(keys, STIFFNESSES)
+        stiff = np.isin(keys, STIFFNESS_KEYS)
         return cls(stiff, np.where(stiff, start, 1.0))
 
     def moved(self, values: Array) -> Array:

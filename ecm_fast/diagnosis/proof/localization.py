@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.columns import CHANNELS
 from ...identification.rows import State
 from ...models.instruments.measuring_chain import MeasuringChain
 from ...models.loads import MIN_TOLERANCE, QUADRATIC
@@ -50,7 +51,7 @@ def where(view: Linearization, seed: int) -> Where:
     region, chance = scan(lam, (view.raw**2).sum(axis=1), view.used.sum(axis=1).astype(np.float64), seed)
     return Where(
         components=dict(sorted(parts.items(), key=lambda entry: -entry[1])),
-        channels=dict(zip(("x", "z", "theta"), shares.tolist(), strict=True)),
+        channels=dict(zip(CHANNELS, shares.tolist(), strict=True)),
         mirror=dict(sorted(mirror.items(), key=lambda entry: -entry[1])),
         region=region,
         chance=chance,

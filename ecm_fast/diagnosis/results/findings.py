@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.columns import CAMERA_SIGMA, CHANNEL_KEYS
 from ...data.measurements import Measurements
 
 __all__ = [
@@ -27,8 +28,6 @@ __all__ = [
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Verdict = Literal["named", "family", "outside_catalogue", "nothing_found", "data_gap"]
-_USUAL = (1e-4, 1e-4, 1e-3)  # [m, m, rad] noise of a camera where none is known: 0.1 mm, 1 mrad
-CHANNEL_KEYS = ("x_m", "z_m", "theta_rad")
 
 
 @dataclass(frozen=True)
@@ -277,7 +276,7 @@ class Noise:
     @property
     def known_sigma(self) -> tuple[float, float, float]:
         """`sigma`, and where nothing was measured that of a usual camera."""
-        x, z, theta = (value if value > 0.0 else usual for value, usual in zip(self.sigma, _USUAL, strict=True))
+        x, z, theta = (value if value > 0.0 else usual for value, usual in zip(self.sigma, CAMERA_SIGMA, strict=True))
         return x, z, theta
 
 

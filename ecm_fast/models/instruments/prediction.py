@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...data.columns import COLUMNS
+from ...data.columns import CHANNELS, COLUMNS, LOADS
 from ...data.measurements import Measurements
 from ...files import csv_text, write_whole
 from ...mechanism.mechanism import Mechanism
@@ -22,9 +22,6 @@ from .measuring_chain import MeasuringChain
 __all__ = ["Prediction", "predict"]
 
 Array = NDArray[np.float64]
-
-_CHANNELS = ("x", "z", "theta")
-_LOADS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -52,18 +49,18 @@ class Prediction:
     @property
     def rms(self) -> dict[str, float | None]:
         """Root mean square of `residual` by channel, ``x_m``, ``z_m``, ``theta_rad``; None where it has no entry."""
-        return dict(zip((COLUMNS[name].names[0] for name in _CHANNELS), _rms(self.residual), strict=True))
+        return dict(zip((COLUMNS[name].names[0] for name in CHANNELS), _rms(self.residual), strict=True))
 
     @property
     def sigmas(self) -> Array:
         """`residual` over the noise that the measurements declare of the camera, (n, 3); nan where none is."""
-        declared = np.column_stack([getattr(self.data, f"sigma_{name}") for name in _CHANNELS])
+        declared = np.column_stack([getattr(self.data, f"sigma_{name}") for name in CHANNELS])
         return np.asarray(np.where(declared > 0.0, self.residual / np.where(declared > 0.0, declared, 1.0), np.nan))
 
     @property
     def rms_sigma(self) -> dict[str, float | None]:
         """Root mean square of `sigmas` by channel, ``x``, ``z``, ``theta``; None where it has no entry."""
-        return dict(zip(_CHANNELS, _rms(self.sigmas), strict=True))
+        return dict(zip(CHANNELS, _rms(self.sigmas), strict=True))
 
     @property
     def rows(self) -> int:
@@ -77,10 +74,10 @@ class Prediction:
 
     def columns(self) -> dict[str, Sequence[Any]]:
         """Return the table that `to_csv` writes: loads, predicted pose, measured pose, status name of every row."""
-        columns: dict[str, Sequence[Any]] = {COLUMNS[name].names[0]: getattr(self.data, name) for name in _LOADS}
-        for name, predicted in zip(_CHANNELS, self.pose.T, strict=True):
+        columns: dict[str, Sequence[Any]] = {COLUMNS[name].names[0]: getattr(self.data, name) for name in LOADS}
+        for name, predicted in zip(CHANNELS, self.pose.T, strict=True):
             columns[COLUMNS[name].names[0]] = predicted
-        for name in _CHANNELS:
+        for name in CHANNELS:
             columns[COLUMNS[name].names[0].replace("_", "_measured_")] = getattr(self.data, name)
         columns["status"] = [Status(value).name.lower() for value in self.status]
         return columns

@@ -12,10 +12,11 @@ from ...diagnosis import Plan
 from ...diagnosis.results.next_loads import NextLoads
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.parameters import find
+from ...mechanism.sections import STIFFNESSES
 from ...models.finite_element import FiniteElementModel
 from ..page import Picture
-from ..plots import COLORS, FAINT, canvas
-from .rows import CHANNELS, MANY, Story
+from ..plots import CHANNELS_MRAD, COLORS, FAINT, canvas
+from .rows import MANY, Story
 
 __all__ = ["cosine_matrix", "evidence_bars", "gap_bar", "left_over", "parameter_profiles", "promise", "stiffness"]
 
@@ -128,7 +129,7 @@ def cosine_matrix(found: Plan) -> Picture:
 
 def parameter_profiles(story: Story, priors: Mapping[str, tuple[float, float]]) -> Picture:
     """How well EA, GA and EI are known before and after, against material tests."""
-    names = [name for name in ("EA", "GA", "EI") if name in story.found.calibration]
+    names = [name for name in STIFFNESSES if name in story.found.calibration]
     columns: dict[str, list[Any]] = {"parameter": [], "when": [], "value": [], "rise": []}
     with canvas(7.2, 2.4) as figure:
         grid = figure.subplots(1, max(len(names), 1), squeeze=False, sharey=True)[0]
@@ -183,7 +184,7 @@ def left_over(story: Story) -> Picture | None:
     columns: dict[str, list[Any]] = {"channel": [], "row": [], "residual_sigma": [], "normal": []}
     with canvas(7.2, 3.0) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.7), sharey=True)
-        for i, (name, _, _) in enumerate(CHANNELS):
+        for i, (name, _, _) in enumerate(CHANNELS_MRAD):
             known = np.flatnonzero(np.isfinite(white[:, i]))
             if not known.size:
                 continue

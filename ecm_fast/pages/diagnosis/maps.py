@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.columns import CHANNEL_KEYS
 from ...diagnosis.checks.matched_rows import approach, load_table, match, mirrored
 from ...models.finite_element import FiniteElementModel
 from ..page import Picture
-from ..plots import COLORS, FAINT, canvas
-from .rows import CHANNELS, MANY, Story, map_points, row_columns
+from ..plots import CHANNELS_MRAD, COLORS, FAINT, canvas
+from .rows import MANY, Story, map_points, row_columns
 
 __all__ = ["loops", "parity_split", "residual_maps", "workspace", "wrench_arrows"]
 
@@ -62,7 +63,7 @@ def residual_maps(story: Story) -> Picture | None:
     with canvas(7.2, 4.4) as figure:
         grid = figure.subplots(2, len(story.channels), sharex=True, sharey=True, squeeze=False)
         for i, channel in enumerate(story.channels):
-            name, unit, scale = CHANNELS[channel]
+            name, unit, scale = CHANNELS_MRAD[channel]
             values = [scale * off[rows, channel] for off in (found.before, found.after)]
             limit = float(np.quantile(np.abs(values[0]), 0.98)) or 1.0
             for axes, value in zip(grid[:, i], values, strict=True):
@@ -75,7 +76,7 @@ def residual_maps(story: Story) -> Picture | None:
     columns = {
         **row_columns(story, rows),
         **{f"{name}_{when}": off[rows, i] for when, off in (("before", found.before), ("after", found.after))
-           for i, name in enumerate(("x_m", "z_m", "theta_rad"))},
+           for i, name in enumerate(CHANNEL_KEYS)},
     }  # fmt: skip
     caption = "What is left, measured less simulated, over sum and difference of the tendon forces; each channel has "
     caption += "one color scale for before and after, its ends above it: deep red measured more, deep blue less."
@@ -101,7 +102,7 @@ def parity_split(story: Story) -> Picture | None:
     with canvas(7.2, 4.2) as figure:
         grid = figure.subplots(2, len(story.channels), sharex=True, sharey=True, squeeze=False)
         for column, channel in enumerate(story.channels):
-            name, unit, scale = CHANNELS[channel]
+            name, unit, scale = CHANNELS_MRAD[channel]
             both = [scale * part[:, channel] for part in (even, odd)]
             limit = float(max(np.abs(part).max(initial=0.0) for part in both)) or 1.0
             for axes, value in zip(grid[:, column], both, strict=True):
@@ -113,7 +114,7 @@ def parity_split(story: Story) -> Picture | None:
         grid[1, 0].set_ylabel("left and right differ\n|λl − λr| [N]")  # noqa: RUF001
     columns = {"lam_sum_N": total, "lam_difference_N": difference}
     for word, part in (("even", even), ("odd", odd)):
-        columns |= {f"{name}_{word}": part[:, k] for k, name in enumerate(("x_m", "z_m", "theta_rad"))}
+        columns |= {f"{name}_{word}": part[:, k] for k, name in enumerate(CHANNEL_KEYS)}
     caption = f"The gap before, from {len(pairs)} pairs of mirrored loads: the part that is the same in the mirror "
     caption += "image, and the part that is not. Deep red and blue: the ends of the scale above."
     return Picture("parity", caption, figure, columns)

@@ -18,11 +18,10 @@ from ...mechanism.parameters import find
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["CHANNELS", "MANY", "MOST", "Story", "map_points", "row_columns"]
+__all__ = ["MANY", "MOST", "Story", "map_points", "row_columns"]
 
 Array = NDArray[np.float64]
 
-CHANNELS = (("x", "mm", 1e3), ("z", "mm", 1e3), ("θ", "mrad", 1e3))
 MANY = 400
 """More points than these are drawn as pixels: as lines they would weigh more than the rest of the page."""
 MOST = 2000

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.columns import CHANNEL_KEYS
 from ...pages.page import Section
 
 __all__ = [
-    "CHANNELS",
+    "CHANNEL_KEYS",
     "COMPONENTS",
     "DEG",
     "MM",
@@ -27,7 +28,6 @@ __all__ = [
     "verdict",
 ]
 
-CHANNELS = ("x_m", "z_m", "theta_rad")
 COMPONENTS = ("fx_N", "fz_N", "tau_Nm")
 MM, DEG = 1e3, 180.0 / math.pi  # factors from m and rad to mm and deg
 NOT_GIVEN, UNKNOWN = "not given", "cannot be checked"
@@ -75,7 +75,7 @@ def shown(value: float, spec: str) -> str:
 
 def by_channel(pose: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
     """Return the columns of poses (n, 3) by name and unit."""
-    return dict(zip(CHANNELS, pose.T, strict=True))
+    return dict(zip(CHANNEL_KEYS, pose.T, strict=True))
 
 
 def by_component(wrench: NDArray[np.float64], prefix: str = "") -> dict[str, NDArray[np.float64]]:

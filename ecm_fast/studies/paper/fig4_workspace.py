@@ -10,7 +10,7 @@ from ...models.finite_element import FiniteElementModel
 from ...models.polynomial.training import WRENCH_BOX, tip_wrenches, training_poses
 from ...pages.page import Picture, Section
 from ...pages.plots import plot_shape, plot_workspace, random_tendon_forces
-from .claims import CHANNELS, DEG, MM, NOT_GIVEN, UNKNOWN, PaperClaim, Part, by_channel, shown, verdict
+from .claims import CHANNEL_KEYS, DEG, MM, NOT_GIVEN, UNKNOWN, PaperClaim, Part, by_channel, shown, verdict
 
 __all__ = ["workspace"]
 
@@ -103,5 +103,5 @@ def _shapes() -> Picture:
         f"Preset slender under left and right tendon forces of {forces}: centerline, head plate, tendons, and the "
         "head's center of mass.",
         plot_shape(model, equilibria),
-        dict(zip(("lam_l_N", "lam_r_N", *CHANNELS), shapes.T, strict=True)),
+        dict(zip(("lam_l_N", "lam_r_N", *CHANNEL_KEYS), shapes.T, strict=True)),
     )

@@ -18,7 +18,7 @@ from ...pages.page import Picture, Section, Table
 from ...pages.plots import COLORS, FAINT, canvas
 from ...testbed import Sensors, measure
 from .claims import (
-    CHANNELS,
+    CHANNEL_KEYS,
     COMPONENTS,
     DEG,
     MM,
@@ -182,7 +182,7 @@ def _numbers(found: Errors) -> dict[str, Any]:
             kind: dict(zip(names, values.tolist(), strict=True))
             for kind, values in zip(("rms_share", "largest_share"), shares, strict=True)
         }
-        for (model, shares), names in zip(found.shares().items(), (CHANNELS, COMPONENTS), strict=True)
+        for (model, shares), names in zip(found.shares().items(), (CHANNEL_KEYS, COMPONENTS), strict=True)
     }
 
 

@@ -11,7 +11,7 @@ from ...mechanism.vector import pack
 from ...models.finite_element import FiniteElementModel
 from ...pages.page import Section, Table
 from ...pages.plots import random_tendon_forces
-from .claims import CHANNELS, DEG, MM, PaperClaim, Part, shown, verdict
+from .claims import CHANNEL_KEYS, DEG, MM, PaperClaim, Part, shown, verdict
 
 __all__ = ["reference"]
 
@@ -83,7 +83,7 @@ def _table(
             chosen = (loads == kind) & (lengths == length)
             largest = error[chosen].max(axis=0)
             numbers[name].append({"loads": kind, "length_m": length, "rows": int(chosen.sum()),
-                                  **dict(zip(CHANNELS, largest, strict=True))})  # fmt: skip
+                                  **dict(zip(CHANNEL_KEYS, largest, strict=True))})  # fmt: skip
             rows.append((name, kind, f"{length * MM:g} mm", int(chosen.sum()), *largest[:2] * MM, largest[2] * DEG))
     head = ("discretization", "loads", "length", "cases", "x [mm]", "z [mm]", "theta [deg]")
     return Table("Largest errors against solutions by shooting", head, tuple(rows)), numbers

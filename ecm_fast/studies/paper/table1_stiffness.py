@@ -13,7 +13,7 @@ from ...data.measurements import Measurements
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.sections import PRESETS
 from ...pages.page import Picture, Section, Table
-from ...pages.plots import COLORS, FAINT, canvas
+from ...pages.plots import CHANNELS_MRAD, COLORS, FAINT, canvas
 from .claims import MM, NOT_PUBLIC, SIMULATED, PaperClaim, Part, by_channel, shown, verdict
 from .table1_fit import StiffnessFit, fitted
 
@@ -252,7 +252,7 @@ def _shear_picture(preset: str, sessions: _Sheared) -> Picture:
     tests = [(_SHEARED[session][0], data, fits["default"].residual) for session, (data, fits) in sessions.items()]
     with canvas(7.2, 2.7, SIMULATED) as figure:
         for i, axes in enumerate(figure.subplots(1, 3)):
-            name, unit, scale = (("x", "mm", MM), ("z", "mm", MM), ("θ", "mrad", 1e3))[i]
+            name, unit, scale = CHANNELS_MRAD[i]
             axes.axhline(0.0, color=FAINT, linewidth=0.8)
             for (force, data, residual), color, mark in zip(tests, COLORS[:2], "os", strict=True):
                 axes.plot(data.fz, residual[:, i] * scale, mark, color=color, markersize=3.5, label=f"up to {force}")

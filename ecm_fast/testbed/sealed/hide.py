@@ -14,7 +14,7 @@ from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find
 from ...mechanism.quantity import Quantity
-from ...mechanism.sections import EFFECT_QUANTITIES
+from ...mechanism.sections import EFFECT_QUANTITIES, STIFFNESSES
 from .. import BUILT_IN, OUTSIDE, Sensors, measure
 from .. import design as loads_of
 from .ground_truth import Truth
@@ -30,7 +30,6 @@ TOLERANCES = {effect.name: effect.size.tolerance for effect in CATALOGUE.values(
 """By how much a build differs from its drawing, one standard deviation, in the units of the effects."""
 FRAME = {"camera_x_offset": 5e-4, "camera_z_offset": 5e-4, "camera_rotation": 5e-3, "marker_angle_offset": 5e-3}
 """By how much a camera's frame that nobody has aligned is off, one standard deviation."""
-_MATERIAL = ("EA", "GA", "EI")
 _SIZES = (0.5, 2.0)  # of what is typical
 
 
@@ -131,7 +130,7 @@ def hide(
     of_sizes, of_build, of_loads, of_noise = np.random.default_rng(seed).spawn(4)
     hidden, outside = drawn(effects or {}, of_sizes)
     tolerance = _tolerance(taken, {name.partition(".")[0] for name in hidden}, of_build)
-    values = {name: _scattered(neck, name, spread, of_build) for name in _MATERIAL}
+    values = {name: _scattered(neck, name, spread, of_build) for name in STIFFNESSES}
     own = {name: neck.effects.get(name, 0.0) + off for name, off in tolerance.items()}
     built = neck.replace(**values, **_keyed(own), **_keyed(hidden))
     loads = loads_of(design, replicated=taken.replicated, replicates=taken.replicates, sessions=sessions, seed=of_loads)
