@@ -14,7 +14,7 @@ import numba
 import numpy as np
 
 from ecm_fast.kernels._jit import wide
-from ecm_fast.kernels.condensed.order4 import sweep
+from ecm_fast.kernels.condensed.step import gauss_points, sweep
 
 CHAINS, STEPS, LANES = 12, 64, 1024
 """Sums of products that do not wait for one another, how long each is, and how many lanes take them."""
@@ -24,7 +24,7 @@ _OPERATION = re.compile(r"^\s+v(add|sub|mul|div|sqrt|f[n]?m(?:add|sub)\d+)pd\s.*
 def flops_of_sweep() -> int:
     """Return how many floating-point operations `sweep` of order 4 does in one lane."""
     options = {name: sweep.targetoptions[name] for name in ("error_model", "fastmath")}
-    signature = numba.types.void(numba.float64[::1], numba.float64[::1])
+    signature = numba.types.void(numba.typeof(gauss_points(4)), numba.float64[::1], numba.float64[::1])
     fresh: Any = numba.njit(**options)(sweep.py_func)  # what comes from the cache has no machine code to read
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

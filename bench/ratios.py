@@ -21,7 +21,7 @@ from numba.core.runtime import _nrt_python, rtsys
 from scipy.linalg import lapack, solve_banded
 
 import ecm_fast as ecm
-from ecm_fast.kernels.condensed.order4 import sweep
+from ecm_fast.kernels.condensed.step import gauss_points, sweep
 from ecm_fast.kernels.layout import LANES
 from ecm_fast.models import reference
 from ecm_fast.models.paths.condensed import columns
@@ -150,12 +150,12 @@ def _kernels() -> dict[str, Way]:
     """Return the step of the batches, and the arithmetic the processor can do at best."""
     fast = MODELS["order 4"]._condensed
     state = fast.solve(LOADS[:LANES], NONE, 1e-10, columns(LANES))
-    con = fast.con
+    con, points = fast.con, gauss_points(4)
 
     @numba.njit(nogil=True)
     def sweeps(con, state):
         for _ in range(SWEEPS):
-            sweep(con, state)
+            sweep(points, con, state)
 
     return {"sweep": lambda: sweeps(con, state), "peak": probe()[0]}
 

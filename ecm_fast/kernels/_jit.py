@@ -100,18 +100,22 @@ def call_kernel(function: Callable[..., Any]) -> Any:
     return _compile(function, _FASTMATH, nogil=False)
 
 
-def by_first_type(choose: Callable[[Any], Any]) -> Any:
-    """Return a function that is the kernel which `choose` returns for its first argument.
+def by_first_type(choose: Callable[[Any], Any], *, forceinline: bool = False) -> Any:
+    """Return a function that is the kernel, or the Python function, which `choose` returns for its first argument.
 
     While a kernel that calls it is compiled, `choose` is given that argument's type in place of its value: the choice
-    costs a call nothing.
+    costs a call nothing. With `forceinline` it is inlined as a `step_kernel` is.
     """
 
     def chosen(*arguments: Any) -> Any:
         return choose(arguments[0])(*arguments)
 
+    def written(*types: Any) -> Any:
+        function = choose(types[0])
+        return getattr(function, "py_func", function)
+
     register: Any = overload
-    register(chosen, jit_options=_options(_FASTMATH), strict=False)(lambda *types: choose(types[0]).py_func)
+    register(chosen, jit_options=_options(_FASTMATH, forceinline=forceinline), strict=False)(written)
     return chosen
 
 

@@ -1,15 +1,12 @@
 """The condensed fast path against the general path, which the tables vouch for, and against its own promises."""
 
-import importlib.util
-from importlib import import_module
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from ecm_fast import FiniteElementModel, InputError, Mechanism, Status
 from ecm_fast.data.measurements import Measurements
 from ecm_fast.kernels.condensed.formulation import put_load, state_size, straighten
+from ecm_fast.kernels.condensed.step import gauss_points, sweep
 from ecm_fast.kernels.layout import LANES, R_EXTREME, R_PIVOT, R_SIZE, R_THETA, R_X, R_Z
 from ecm_fast.mechanism.parameters import find, index
 from ecm_fast.mechanism.vector import pack, unpack
@@ -18,7 +15,6 @@ from ecm_fast.models.loads import QUADRATIC
 from ecm_fast.models.paths.condensed import columns
 from ecm_fast.testbed import equilibria
 
-ROOT = Path(__file__).resolve().parents[2]
 PULLEYS = {"pulley_z": 0.0645, "tendons.pulley_radius": 0.0055}
 SLENDER = Mechanism.preset("slender")
 NECKS = {
@@ -140,14 +136,13 @@ def test_newton_leaves_less_than_the_square_of_its_last_step(preset, load, order
     """
     model, largest = FiniteElementModel(Mechanism.preset(preset), order=order), 0.0
     length, con = model.mechanism.beam.length, model._condensed.con
-    sweep = import_module(f"ecm_fast.kernels.condensed.order{order}").sweep
     for seed in range(30):
         lam, wrench = cases(load, LANES, seed)
         limit = fast(model, lam, wrench, 1e-13)[0]
         state = state_before_the_first_step(model, lam, wrench)
         rows = state.reshape(-1, LANES)
         for _ in range(6):
-            sweep(con, state)
+            sweep(gauss_points(order), con, state)
             pose = rows[[R_X, R_Z, R_THETA]].T
             error = np.linalg.norm((pose - limit) / [length, length, 1.0], axis=1)
             size, sound = rows[R_SIZE], (rows[R_EXTREME] <= 1.0) & (rows[R_PIVOT] > 0.0)
@@ -257,12 +252,3 @@ def test_a_batch_of_mechanisms_is_one_model_a_row(order):
     # and the mechanisms' own fast path, at the default tolerance
     rough = FiniteElementModel(order=order).solve_batch(lam, wrench, parameters=par)
     np.testing.assert_allclose(rough.pose, batch.pose, rtol=0, atol=1e-9)
-
-
-def test_the_written_out_steps_are_up_to_date():
-    spec = importlib.util.spec_from_file_location("write_condensed", ROOT / "tools" / "write_condensed.py")
-    writer = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(writer)
-    for order in writer.ORDERS:
-        path = ROOT / "ecm_fast" / "kernels" / f"condensed{order}.py"
-        assert path.read_text(encoding="utf-8") == writer.Writer(order).module()

@@ -18,8 +18,8 @@ positive: the pivots certify it. It is the same discrete solution as that of `ne
 The same source serves three uses. Constant k of a lane is ``con[cr * k + cl]`` and quantity k of its state
 ``state[sr * k + j]``: one load case alone has ``cr = sr = 1`` and ``cl = j = 0``; in a block, lanes lie side by side
 (``sr = LANES``) and share one mechanism (``cr = 1, cl = 0``) or have one each (``cr = LANES, cl = j``). The compiler
-sees these numbers as constants. `condensed_laws` holds the physics; the solution of the step, written out for each
-order, and what loops over it are in `condensed3` to `condensed6`.
+sees these numbers as constants. `physics` holds sections and head plate, `equations` writes out the rest of the step
+for an order, and `step` holds what loops over it. The order is the length of the tuple `points`, so it is a type.
 """
 
 import numpy as np
@@ -194,19 +194,17 @@ def unjudged(state, sr, j):
 
 
 @step_kernel
-def judge(state, sr, j, pivot, size):
-    """Write down what a step says of itself.
+def judge(state, sr, j, size):
+    """Write down how large a step was.
 
-    pivot : the smallest; positive where the iterate was stable
     size : sum of squares of the turns [rad], of the tip's displacement [lengths] and of the tip force's change
     A step that does not shrink, or a large first one, may lead to another branch: it is not vouched for.
     """
     limit = SHRINK2 * state[sr * R_SIZE + j]
     limit = limit if limit < LARGEST2 else LARGEST2
     limit = limit if limit > ROUNDING2 else ROUNDING2
-    extreme, smallest = state[sr * R_EXTREME + j], state[sr * R_PIVOT + j]
+    extreme = state[sr * R_EXTREME + j]
     state[sr * R_EXTREME + j] = 2.0 if size > limit else extreme
-    state[sr * R_PIVOT + j] = pivot if pivot < smallest else smallest
     state[sr * R_SIZE + j] = size
 
 

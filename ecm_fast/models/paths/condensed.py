@@ -1,7 +1,6 @@
 """The condensed path: the mechanisms it takes, and the kernels of each order."""
 
 import functools
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 from ...kernels.condensed import control_step as stepper
 from ...kernels.condensed import formulation as condensed
 from ...kernels.condensed import initial_guess as start
+from ...kernels.condensed import step as kernels
 from ...kernels.condensed.axial_law import stretch_polynomials
 from ...kernels.layout import CONVERGED, L_FX, L_GRAVITY, LANES, N_STATION, N_TIP, NOT_CONVERGED, R_FX, R_FZ, R_TAU
 from ...mesh.discretization import Discretization
@@ -22,7 +22,7 @@ ORDERS = (3, 4, 5, 6)
 Columns = tuple[Array, Array, Array, NDArray[np.int64]]
 """x, z, theta, status of many cases."""
 Guess = tuple[Array, float]
-"""Coefficients of `kernels.start.guess`, and up to which tendon force they hold."""
+"""Coefficients of `kernels.condensed.initial_guess.guess`, and up to which tendon force they hold."""
 # a fit that is farther off than this, in rad and lengths, is a poor place to start from
 POOR = 0.02
 STRETCH = stretch_polynomials()
@@ -37,7 +37,7 @@ class Condensation:
     def __init__(self, mesh: Discretization, con: Array) -> None:
         self.con = con
         self.mesh = mesh
-        self._kernels = kernels_of(mesh)
+        self._points = kernels.gauss_points(mesh.order)
         self._straight = np.empty((5 + mesh.order, start.N_GUESS)), 0.0
 
     @classmethod
@@ -50,7 +50,7 @@ class Condensation:
         return cls(mesh, con) if applies and np.isfinite(con).all() else None
 
     def solve(self, lam: Array, wrench: Array, last2: float, out: Columns, guess: Guess | None = None) -> Array:
-        """Solve tendon forces (n, 2) under dead wrenches (n, 3) or (1, 3), see `kernels.condensed4.solve_loads`.
+        """Solve tendon forces (n, 2) under dead wrenches (n, 3) or (1, 3), see `kernels.condensed.step.solve_loads`.
 
         last2 : largest squared last step of Newton's method
         out : x, z, theta, status, each (n,), overwritten
@@ -60,7 +60,7 @@ class Condensation:
         """
         coefficients, lam_max = self._straight if guess is None else guess
         state = np.zeros(LANES * condensed.state_size(self.mesh.order))
-        self._kernels.solve_loads(self.con, coefficients, lam_max, lam, wrench, last2, state, *out)
+        kernels.solve_loads(self._points, self.con, coefficients, lam_max, lam, wrench, last2, state, *out)
         return state
 
     def fit_guess(self, lam_max: float, wrench: Array) -> Guess | None:
@@ -125,15 +125,10 @@ def permits(mesh: Discretization) -> bool:
     return lagrange and mesh.n_elements == 1 and mesh.order in ORDERS
 
 
-def kernels_of(mesh: Discretization) -> Any:
-    """Return the module of kernels for a mesh."""
-    return import_module(f"ecm_fast.kernels.condensed.order{mesh.order}")
-
-
 @functools.cache
 def compiled_step(order: int) -> Any:
     """Return the control step of an order, compiled for numbers of any kind: it never compiles again in a loop."""
-    advance = import_module(f"ecm_fast.kernels.condensed.order{order}").advance
+    advance = kernels.control_step(order)
     advance.compile("(int64, float64, float64)")
     advance.disable_compile()
     return advance
@@ -147,7 +142,7 @@ def columns(n: int) -> Columns:
 def solve_mechanisms(mesh: Discretization, par: Array, lam: Array, wrench: Array, last2: float, out: Columns) -> None:
     """Solve cases that each have a parameter vector, (n, n_parameters), where the mesh permits it.
 
-    See `Condensation.solve` and `kernels.condensed4.solve_mechanisms`.
+    See `Condensation.solve` and `kernels.condensed.step.solve_mechanisms`.
     """
     if not permits(mesh):
         return
@@ -156,13 +151,14 @@ def solve_mechanisms(mesh: Discretization, par: Array, lam: Array, wrench: Array
     system = np.empty((order, N_STATION)), np.empty(N_TIP), np.empty(3 * (order + 1))
     constants = mesh.mesh, mesh.nodes, mesh.turn, mesh.slopes, STRETCH
     lanes = np.empty(LANES * con.size)
-    kernels_of(mesh).solve_mechanisms(par, *constants, lam, wrench, last2, system, con, lanes, state, *out)
+    points = kernels.gauss_points(order)
+    kernels.solve_mechanisms(points, par, *constants, lam, wrench, last2, system, con, lanes, state, *out)
 
 
 def solve_nodes(
     mesh: Discretization, par: Array, lam: Array, wrench: Array, last2: float, q: Array, status: NDArray[np.int64]
 ) -> None:
-    """Solve cases into all their nodes, where the mesh permits it; see `kernels.condensed4.solve_nodes`.
+    """Solve cases into all their nodes, where the mesh permits it; see `kernels.condensed.step.solve_nodes`.
 
     par : (1 or n, n_parameters), lam : (n, 2), wrench : (1 or n, 3), q : (n, 3 n_nodes), status : (n,)
     """
@@ -172,4 +168,5 @@ def solve_nodes(
     con, state = np.empty(condensed.constants_size(order)), np.zeros(condensed.state_size(order))
     system = np.empty((order, N_STATION)), np.empty(N_TIP), np.empty(3 * (order + 1))
     constants = mesh.mesh, mesh.nodes, mesh.turn, mesh.slopes, STRETCH, mesh.tables
-    kernels_of(mesh).solve_nodes(par, *constants, lam, wrench, last2, system, con, state, q, status)
+    points = kernels.gauss_points(order)
+    kernels.solve_nodes(points, par, *constants, lam, wrench, last2, system, con, state, q, status)

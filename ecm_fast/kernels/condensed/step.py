@@ -1,0 +1,259 @@
+"""The condensed path for every order: Newton's step, batches of load cases and of mechanisms, and the control step.
+
+The order is the length of the tuple `points`, known while these are compiled; its entries mean nothing.
+"""
+
+import functools
+import math
+from typing import Any
+
+import numpy as np
+
+from .._jit import array_at, by_first_type, kernel, step_kernel, wide
+from ..layout import CONVERGED, LANES, NOT_CONVERGED, R_EXTREME, R_LAM_L, R_LAM_R, R_THETA, R_X, R_Z
+from ..prepare import prepare
+from ..unroll import at_each_point, function
+from .control_step import memory_size, pieces, rescue, unfold
+from .equations import written_out
+from .formulation import MAX_STEPS, collect, condense, nodes_of, put_load, settled, straighten, vouches
+from .initial_guess import extrapolate, guess, lane_inside, lanes_inside, remember
+from .physics import plate, section
+
+__all__ = [
+    "control_step",
+    "gauss_points",
+    "solve_loads",
+    "solve_mechanisms",
+    "solve_nodes",
+    "sweep",
+    "sweep_mechanisms",
+]
+
+
+def gauss_points(order: int) -> tuple[int, ...]:
+    """Return the tuple whose type stands for an order."""
+    return (0,) * order
+
+
+def _written_out(name: str) -> Any:
+    return by_first_type(lambda points: written_out(len(points))[name], forceinline=True)
+
+
+_assemble, _tangent, _solve = _written_out("assemble"), _written_out("tangent"), _written_out("solve")
+_move, _tip_columns = _written_out("move"), _written_out("tip_columns")
+_sections = at_each_point(section)
+
+
+# Many load cases, LANES at a time
+
+
+@step_kernel
+def _section_lanes(con, cr, own, state, g):
+    for j in range(LANES):
+        section(con, cr, own * j, state, LANES, j, g)
+
+
+_sections_lanes = at_each_point(_section_lanes)
+
+
+@step_kernel
+def _sweep(points, con, cr, own, state):
+    wide()
+    # one loop after the other: each body fits the window in which a processor reorders instructions
+    _sections_lanes(points, con, cr, own, state)
+    for j in range(LANES):
+        plate(con, cr, own * j, state, LANES, j)
+    for j in range(LANES):
+        _assemble(points, con, cr, own * j, state, LANES, j)
+    for j in range(LANES):
+        _tangent(points, con, cr, own * j, state, LANES, j)
+    for j in range(LANES):
+        _solve(points, con, cr, own * j, state, LANES, j, False)
+    for j in range(LANES):
+        _move(points, con, cr, own * j, state, LANES, j)
+
+
+@kernel
+def sweep(points, con, state):
+    """Take one Newton step in every lane: many loads, one mechanism."""
+    wide()
+    _sweep(points, con, 1, 0, state)
+
+
+@kernel
+def sweep_mechanisms(points, con, state):
+    """Take one Newton step in every lane, each with constants of its own: `con` holds lanes as `state` does."""
+    wide()
+    _sweep(points, con, LANES, 1, state)
+
+
+@kernel
+def solve_loads(points, con, coefficients, lam_max, lam, wrench, last2, state, x, z, theta, status):
+    """Solve load cases on one mechanism, LANES at a time.
+
+    coefficients, lam_max : see `initial_guess.guess`, used where both tendon forces are at most `lam_max`; else, and
+        for lam_max = 0 always, the beam starts straight
+    lam : (n, 2), wrench : (n, 3) or (1, 3), last2 : largest squared last step
+    state : (LANES * state_size,)   work space
+    x, z, theta, status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
+    """
+    order, n, last_wrench = len(points), lam.shape[0], wrench.shape[0] - 1
+    for first in range(0, n, LANES):
+        for j in range(LANES):
+            i = min(first + j, n - 1)
+            put_load(state, LANES, j, lam[i], wrench[min(i, last_wrench)])
+        inside = lanes_inside(state, lam_max)
+        if inside > 0:
+            guess(coefficients, lam_max, state, LANES, LANES, order)
+        if inside < LANES:
+            for j in range(LANES):
+                if not lane_inside(state, lam_max, j):
+                    straighten(con, 1, 0, state, LANES, j, order)
+        for _ in range(MAX_STEPS):
+            sweep(points, con, state)
+            if settled(state, last2):
+                break
+        end = min(first + LANES, n)
+        collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
+
+
+@kernel
+def solve_mechanisms(
+    points, par, mesh, nodes, turn, slopes, stretch, lam, wrench, last2, system, con, lanes, state, x, z, theta, status
+):
+    """Solve cases that each have a mechanism of their own, from the straight beam, LANES at a time.
+
+    par : (n, n_parameters)
+    mesh, nodes, turn, slopes, stretch : see `prepare` and `formulation.condense`
+    system : work arrays of one thread: stations, tip, q_rest; con : (constants_size,), lanes : LANES times that
+    the rest as in `solve_loads`
+    """
+    n, last_wrench = lam.shape[0], wrench.shape[0] - 1
+    stations, tip, q_rest = system
+    for first in range(0, n, LANES):
+        for j in range(LANES):
+            i = min(first + j, n - 1)
+            prepare(par[i], mesh, nodes, stations, tip, q_rest)
+            applies = condense(stations, tip, q_rest, turn, slopes, stretch, con)
+            for k in range(con.shape[0]):
+                lanes[LANES * k + j] = con[k]
+            put_load(state, LANES, j, lam[i], wrench[min(i, last_wrench)])
+            straighten(lanes, LANES, j, state, LANES, j, len(points))
+            if not applies:
+                state[LANES * R_EXTREME + j] = 2.0
+        for _ in range(MAX_STEPS):
+            sweep_mechanisms(points, lanes, state)
+            if settled(state, last2):
+                break
+        end = min(first + LANES, n)
+        collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
+
+
+# One load case
+
+
+@step_kernel
+def _step(points, con, state, keep):
+    """Take one Newton step for the one load case that `state` holds; with `keep`, leave the factor to `tip_columns`."""
+    _sections(points, con, 1, 0, state, 1, 0)
+    plate(con, 1, 0, state, 1, 0)
+    _assemble(points, con, 1, 0, state, 1, 0)
+    _tangent(points, con, 1, 0, state, 1, 0)
+    _solve(points, con, 1, 0, state, 1, 0, keep)
+    _move(points, con, 1, 0, state, 1, 0)
+
+
+@kernel
+def _iterate(points, con, state, last2, keep):
+    """Take Newton steps until one vouches for the equilibrium; return whether one did."""
+    for _ in range(MAX_STEPS):
+        _step(points, con, state, keep)
+        if vouches(state, 1, 0, last2):
+            return True
+    return False
+
+
+@kernel
+def solve_nodes(
+    points, par, mesh, nodes, turn, slopes, stretch, tables, lam, wrench, last2, system, con, state, q, status
+):
+    """Solve cases one after the other, each from the straight beam, into their nodes.
+
+    par : (1 or n, n_parameters)   one mechanism for all, or one for each
+    tables : (3, p, p + 1); the other arguments as in `solve_mechanisms`, of one lane
+    q : (n, 3 n_nodes), status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
+    """
+    n, last_wrench = lam.shape[0], wrench.shape[0] - 1
+    stations, tip, q_rest = system
+    applies = False
+    for i in range(n):
+        if i < par.shape[0]:
+            prepare(par[i], mesh, nodes, stations, tip, q_rest)
+            applies = condense(stations, tip, q_rest, turn, slopes, stretch, con)
+        put_load(state, 1, 0, lam[i], wrench[min(i, last_wrench)])
+        straighten(con, 1, 0, state, 1, 0, len(points))
+        found = _iterate(points, con, state, last2, False) and applies
+        status[i] = CONVERGED if found else NOT_CONVERGED
+        nodes_of(con, state, tables, slopes, len(points), q[i])
+
+
+# The control step
+
+
+@step_kernel
+def _follow(points, con, coefficients, settings, state, before, lam_l, lam_r):
+    last2, keep, lam_max = settings[0], settings[1] > 0.0, settings[2]
+    if lam_max == 0.0 and vouches(state, 1, 0, last2):
+        extrapolate(state, before, lam_l, lam_r, len(points))
+        if _iterate(points, con, state, last2, keep):
+            return True
+    state[R_LAM_L], state[R_LAM_R] = lam_l, lam_r
+    if lam_l <= lam_max and lam_r <= lam_max and lam_max > 0.0:
+        guess(coefficients, lam_max, state, 1, 1, len(points))
+    else:
+        straighten(con, 1, 0, state, 1, 0, len(points))
+    found = _iterate(points, con, state, last2, keep)
+    remember(state, before, len(points))
+    return found
+
+
+@functools.cache
+def _parts_of(order: int) -> Any:
+    cuts = []
+    for first, shape in pieces(order).values():
+        reshaped = f".reshape({shape})" if len(shape) > 1 else ""
+        cuts.append(f"memory[{first}:{first + math.prod(shape)}]{reshaped}")
+    return function("parts", ["points", "memory"], [f"return {', '.join(cuts)}"], {})
+
+
+_parts = by_first_type(lambda points: _parts_of(len(points)), forceinline=True)
+
+
+@functools.cache
+def control_step(order: int) -> Any:
+    """Return the control step of an order, a kernel.
+
+    It takes an address and two forces: `points` would be unpacked at each call, which costs a tenth of a step.
+    """
+    points, size = gauss_points(order), memory_size(order)
+
+    @kernel
+    def advance(address, lam_l, lam_r):
+        """Take a control step: to new tendon forces, from where the memory at `address` stands; see `control_step`.
+
+        Returns x, z, theta, status.
+        """
+        (
+            settings, con, state, before, columns, jacobian, compliance, coefficients,
+            loads, tables, stations, tip, q_rest, q, out, work,
+        ) = _parts(points, array_at(address, size))  # fmt: skip
+        possible = 0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf
+        if possible and _follow(points, con, coefficients, settings, state, before, lam_l, lam_r):
+            if settings[1] > 0.0:
+                _tip_columns(points, con, state, columns)
+                unfold(con, state, columns, compliance, jacobian)
+            return state[R_X], state[R_Z], state[R_THETA], CONVERGED
+        afresh = settings[2] != 0.0
+        return rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, afresh, lam_l, lam_r)
+
+    return advance
