@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numba
 import numpy as np
@@ -31,16 +32,15 @@ from ecm_fast.kernels.chain import section
 from ecm_fast.kernels.condensed.formulation import constants_size, state_size
 from ecm_fast.kernels.condensed.step import gauss_points, sweep
 
-found = {"features": llvm.get_host_cpu_features().flatten()}
-ways = {name: (getattr(section, name),
-               (np.zeros(64), np.zeros(l.N_BEAM), np.zeros(l.N_ENDS + l.N_SAMPLES), 8, np.zeros(l.N_HEAD)))
-        for name in ("linear_elements", "samples")}
-for order in (3, 4, 5, 6):
+name, order = sys.argv[1], int(sys.argv[2])
+if name == "sweep":
     con, state = np.ones(constants_size(order)), np.zeros(l.LANES * state_size(order))
-    ways[f"sweep of order {order}"] = sweep, (gauss_points(order), con, state)
-for name, (kernel, arguments) in ways.items():
-    kernel(*arguments)
-    found[name] = kernel.inspect_asm(kernel.signatures[-1])
+    kernel, arguments = sweep, (gauss_points(order), con, state)
+else:
+    kernel = getattr(section, name)
+    arguments = np.zeros(64), np.zeros(l.N_BEAM), np.zeros(l.N_ENDS + l.N_SAMPLES), 8, np.zeros(l.N_HEAD)
+kernel(*arguments)
+found = [llvm.get_host_cpu_features().flatten(), kernel.inspect_asm(kernel.signatures[0])]
 json.dump(found, sys.stdout)
 """
 
@@ -59,33 +59,30 @@ for name, how in (("fast", {"order": 3}), ("chain", {"elements": 20, "order": 1}
 """
 
 
-def said(program: str, cache: Path, **settings: str) -> dict:
+def said(program: str, cache: Path, *arguments: str, **settings: str) -> Any:
     """Return the JSON that a process prints which compiles anew, into a folder of its own."""
     environment = os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(ROOT)} | settings
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=environment, timeout=280)
+    command = [sys.executable, "-c", program, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=280)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
 
-@pytest.fixture(scope="module")
-def assembly(tmp_path_factory) -> dict:
-    return said(LOOK, tmp_path_factory.mktemp("cache"))
-
-
 @only_compiled
 @only_x86
-@pytest.mark.parametrize("name", [*(f"sweep of order {order}" for order in ORDERS), "linear_elements", "samples"])
-def test_loops_are_vector_arithmetic_without_calls(assembly, name):
+@pytest.mark.parametrize(
+    ("name", "order"), [*(("sweep", order) for order in ORDERS), ("linear_elements", 1), ("samples", 1)]
+)
+def test_loops_are_vector_arithmetic_without_calls(tmp_path, name, order):
     """LLVM's assembly: the divisions of a sweep are counted by hand, so a loop that stayed scalar leaves too few."""
-    text = assembly[name]
+    features, text = said(LOOK, tmp_path, name, str(order))
     packed = {stem: re.findall(rf"\bv?{stem}\b.*%[xyz]mm", text) for stem in ("divpd", "mulpd", "sqrtpd")}
     assert len(packed["mulpd"]) > 20
     assert CALL.findall(text) == []
-    if name.startswith("sweep"):
-        order = int(name[-1])
+    if name == "sweep":
         assert len(packed["divpd"]) >= 3 + (order + 1) // 2  # both tendons, the tip, and a pivot for two angles
         assert len(packed["sqrtpd"]) >= 2
-    if {"+avx2", "+fma"} <= set(assembly["features"].split(",")):
+    if {"+avx2", "+fma"} <= set(features.split(",")):
         fused = re.findall(r"\bvfn?m(?:add|sub)\d+pd\b", text)
         assert len(fused) > 30
         # what is left scalar is the twin of each loop, for arrays that overlap
