@@ -70,6 +70,7 @@ def agrees_with_the_general_path(model: FiniteElementModel, loads: np.ndarray, s
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 @pytest.mark.parametrize("elements", [1, 2, 5, 10, 20, 160])
 def test_it_is_the_discrete_solution_of_the_general_path(elements, order):
+    """Another method: the general path, to 1e-12."""
     model = FiniteElementModel(NECKS["pulleys"], elements, order)
     agrees_with_the_general_path(model, random_loads(20, seed=order), share=0.95)
 
@@ -77,16 +78,19 @@ def test_it_is_the_discrete_solution_of_the_general_path(elements, order):
 @pytest.mark.parametrize("how", [{"elements": 65, "order": 1}, {"elements": 3, "order": 6}])
 @pytest.mark.parametrize("name", NECKS)
 def test_it_takes_every_neck(name, how):
+    """Another method: the general path, on necks that differ in law, pulleys, gravity and shape."""
     agrees_with_the_general_path(FiniteElementModel(NECKS[name], **how), random_loads(30, seed=5), share=0.9)
 
 
 @pytest.mark.parametrize("order", [1, 2, 5])
 def test_elements_may_differ_in_length(order):
+    """Another method: the general path, on elements that differ 250 times in length."""
     agrees_with_the_general_path(FiniteElementModel(SLENDER, UNEVEN, order), random_loads(30, seed=6), share=0.95)
 
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_the_section_may_differ_from_element_to_element(order):
+    """Another method: the general path, with random stiffness, curvature and load by station."""
     model = FiniteElementModel(NECKS["bent"], 9, order)
     stations = model._system[0]
     # stiffness, curvature as built and dead load of every station
@@ -96,7 +100,8 @@ def test_the_section_may_differ_from_element_to_element(order):
 
 @pytest.mark.parametrize("how", [{"elements": 20, "order": 1}, {"elements": 4, "order": 3}])
 @pytest.mark.parametrize("load", ["tendons", "wrench"])
-def test_far_outside_the_working_range_it_is_right_or_leaves_the_case_to_the_general_path(load, how):
+def test_far_outside_it_is_right_or_gives_up(load, how):
+    """Another method: the general path, under loads five times the working range."""
     rng = np.random.default_rng(7)
     loads = np.zeros((200, 6))
     loads[:, 5] = 1.0
@@ -119,6 +124,7 @@ def critical_load(length: float, EA: float, GA: float, EI: float) -> float:
 
 @pytest.mark.parametrize(("elements", "order", "within"), [(160, 1, 5e-2), (20, 2, 1e-4), (3, 4, 1e-5)])
 def test_it_vouches_for_a_column_up_to_its_buckling_load(elements, order, within):
+    """Closed form: the critical load of the shear-flexible compressible column."""
     weightless = SLENDER.replace(g=0.0)
     critical = critical_load(0.109, 7500.0, 2420.0, 3.0)
     assert critical == pytest.approx(539.05, abs=0.005)
@@ -131,6 +137,7 @@ def test_it_vouches_for_a_column_up_to_its_buckling_load(elements, order, within
 
 @pytest.mark.parametrize(("share", "negative"), [(0.9, 2), (1.1, 3), (8.5, 3), (9.5, 4)])
 def test_the_pivots_count_the_ways_to_buckle(share, negative):
+    """Closed form: Euler's critical loads stand as 1, 9, 25, so the sign changes can be counted."""
     # stiff against shear and stretch: Euler's column, whose loads are 1, 9, 25, ... times the first
     stiff = SLENDER.replace(g=0.0, EA=1e6, GA=1e6, axial_law="hooke")
     chain = chain_of(FiniteElementModel(stiff, 64, 1))
@@ -144,6 +151,7 @@ def test_the_pivots_count_the_ways_to_buckle(share, negative):
 
 @pytest.mark.parametrize("how", [{"elements": 20, "order": 1}, {"elements": 3, "order": 2}])
 def test_after_a_bad_case_the_next_one_is_right(how):
+    """Contract: a case leaves nothing behind; the next one is the same to the bit."""
     chain = chain_of(FiniteElementModel(SLENDER, **how))
     good = random_loads(1, seed=1)
     expected, _ = solve(chain, good)
@@ -154,6 +162,7 @@ def test_after_a_bad_case_the_next_one_is_right(how):
 
 @pytest.mark.parametrize("how", [{"elements": 20, "order": 1}, {"elements": 3, "order": 2}])
 def test_the_warm_path_meets_the_cold_one(how):
+    """Another method: the cold solve of every load, to 1e-12, with invalid loads in between."""
     chain = chain_of(FiniteElementModel(NECKS["pulleys"], **how))
     t = np.linspace(0.0, 12.0, 200)
     lam = np.column_stack([80.0 + 70.0 * np.sin(3.0 * t), 80.0 + 70.0 * np.cos(2.0 * t)])
@@ -172,6 +181,7 @@ def test_the_warm_path_meets_the_cold_one(how):
 
 
 def test_a_model_uses_it():
+    """Contract: batch and control step of a model of 20 elements run on this path."""
     model, loads = FiniteElementModel(SLENDER, elements=20, order=1), random_loads(5, seed=2)
     assert isinstance(model._condensed, Chain)
     pose, _ = solve(chain_of(model), loads)
@@ -182,6 +192,7 @@ def test_a_model_uses_it():
 
 
 def test_what_it_does_not_take():
+    """Contract: coupled sections, more Gauss points than the order and mixed laws need the general path."""
     assert chain_of(FiniteElementModel(SLENDER.replace(neutral_axis_offset=1e-3), 5, 1)) is None
     assert chain_of(FiniteElementModel(SLENDER, 5, 1, gauss=2)) is None
     mixed = FiniteElementModel(SLENDER, 5, 1)

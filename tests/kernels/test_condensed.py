@@ -61,6 +61,7 @@ def general(model: FiniteElementModel, lam: np.ndarray, wrench: np.ndarray) -> l
 @pytest.mark.parametrize("order", [3, 4, 5, 6])
 @pytest.mark.parametrize("name", NECKS)
 def test_it_is_the_discrete_solution_of_the_general_path(name, order):
+    """Another method: the general path, to 1e-12, on every neck and order."""
     rng = np.random.default_rng(order)
     lam, wrench = rng.uniform(0.0, 160.0, (200, 2)), rng.normal(size=(200, 3)) * [10.0, 5.0, 0.5]
     model = FiniteElementModel(NECKS[name], order=order)
@@ -72,7 +73,7 @@ def test_it_is_the_discrete_solution_of_the_general_path(name, order):
     np.testing.assert_allclose(pose[known], np.stack([eq.pose for eq in expected]), rtol=0, atol=1e-12)
 
 
-def test_a_neck_as_stiff_as_steel_is_that_of_the_differential_equations():
+def test_a_neck_of_steel_meets_the_differential_equations():
     """The strong form: the general path loses digits here, as it knows the force to 1e-16 EA; the fast path does not.
 
     Its error is the discretization's, 1e-10 for one element of order 6 under these loads, and rounding.
@@ -88,7 +89,8 @@ def test_a_neck_as_stiff_as_steel_is_that_of_the_differential_equations():
 
 @pytest.mark.parametrize("preset", ["slender", "paper"])
 @pytest.mark.parametrize("load", ["tendons", "wrench"])
-def test_far_outside_the_working_range_it_is_right_or_leaves_the_case_to_the_general_path(preset, load):
+def test_far_outside_the_batch_is_the_general_path(preset, load):
+    """Another method: the general path, poses and statuses, under loads four to six times the range."""
     rng = np.random.default_rng(7)
     lam, wrench = np.zeros((400, 2)), np.zeros((400, 3))
     if load == "tendons":
@@ -104,6 +106,7 @@ def test_far_outside_the_working_range_it_is_right_or_leaves_the_case_to_the_gen
 
 @pytest.mark.parametrize(("change", "how"), [({"neutral_axis_offset": 1e-3}, {}), ({}, {"gauss": 6})])
 def test_what_leaves_the_fast_path(change, how):
+    """Contract: such a model has no fast path, and its batch is the general solve to the bit."""
     model = FiniteElementModel(SLENDER.replace(**change), **how)
     assert model._condensed is None
     np.testing.assert_array_equal(model.solve_batch([[40.0, 10.0]]).pose[0], model.solve((40.0, 10.0)).pose)
@@ -164,6 +167,7 @@ def state_before_the_first_step(model, lam, wrench):
 
 @pytest.mark.parametrize("tolerance", [0.0, -1e-9, 1e-14, 0.1, np.nan, np.inf])
 def test_tolerances_that_cannot_be(tolerance):
+    """Contract: the one line of the error, at every way in."""
     model = FiniteElementModel()
     for call in (model.solve_batch, lambda lam, **how: model.sensitivities([], lam, **how)):
         with pytest.raises(InputError, match=r"^tolerance = .*: allowed is a number from 1e-13 to 1e-3$"):
@@ -190,6 +194,7 @@ def test_a_large_batch_is_each_of_its_cases(name):
 
 
 def test_polynomials_serve_only_where_they_were_fitted():
+    """Another start: outside the fitted range the answer is that of the straight start, to the bit."""
     model, wrench = FiniteElementModel(), np.zeros(3)
     guess = model._condensed.fit_guess(60.0, wrench)
     lam = np.random.default_rng(3).uniform(0.0, 160.0, (500, 2))

@@ -92,6 +92,8 @@ def test_loops_are_vector_arithmetic_without_calls(tmp_path, name, order):
 @only_compiled
 @only_x86
 def test_the_search_for_calls_finds_them():
+    """Check of the check: a kernel with sin and cos does contain calls."""
+
     def calls(t):
         return np.sin(t) + np.cos(t)
 

@@ -56,13 +56,15 @@ def message(call: Callable[..., Any], *args: Any, **kwargs: Any) -> str:
 # Presets
 
 
-def test_the_defaults_are_those_of_the_table_and_say_where_they_come_from() -> None:
+def test_defaults_are_those_of_the_table_and_name_their_source() -> None:
+    """Published: the paper's values as tabulated by hand in `THEORY`."""
     built = [entry for entry in PARAMETERS if not entry.key.startswith("effects.")]
     assert {entry.key: (entry.default, entry.status) for entry in built} == THEORY
     assert all(entry.source for entry in built)
 
 
 def test_the_slender_preset() -> None:
+    """Published: the values of the table, written by hand."""
     neck = Mechanism.preset("slender")
     assert neck == Mechanism() == Mechanism.preset()
     assert neck.beam == Beam(0.109, 7500.0, 2420.0, 3.0, 9.47, "neo-hookean")
@@ -74,6 +76,7 @@ def test_the_slender_preset() -> None:
 
 
 def test_the_paper_preset_differs_in_the_length_alone() -> None:
+    """Published: L = 0.040 m follows from the paper's Section 3."""
     paper, slender = Mechanism.preset("paper"), Mechanism.preset("slender")
     assert paper.beam.length == 0.040
     assert paper.replace(length=0.109) == slender
@@ -83,12 +86,14 @@ def test_the_paper_preset_differs_in_the_length_alone() -> None:
 
 
 def test_a_misspelt_preset() -> None:
+    """Contract: the text of the error, written by hand."""
     assert message(Mechanism.preset, "papr") == (
         "preset = 'papr': allowed is 'slender' or 'paper' (did you mean 'paper'?)"
     )
 
 
 def test_derived_numbers_follow_from_what_the_paper_states() -> None:
+    """Published: area, mass and plate width from the paper's 871080, 7500 N, 11 N m and 160 N."""
     area = 7500.0 / 871080.0
     assert area == pytest.approx(8.610e-3, rel=1e-4)
     assert Mechanism().beam.mass_per_length == pytest.approx(1100.0 * area, abs=0.005)
@@ -96,6 +101,7 @@ def test_derived_numbers_follow_from_what_the_paper_states() -> None:
 
 
 def test_every_effect_is_absent_by_default() -> None:
+    """Contract: size 0 is the default of every effect, inside its bounds."""
     assert pack(Mechanism())[len(THEORY) :].tolist() == [entry.default for e in CATALOGUE.values() for entry in e]
     for effect in CATALOGUE.values():
         assert effect.size.default == 0.0
@@ -128,11 +134,13 @@ def test_every_effect_is_absent_by_default() -> None:
     ],
 )  # fmt: skip
 def test_a_value_that_cannot_be(make: Callable[[], object], text: str) -> None:
+    """Contract: the text of the error, written by hand."""
     assert message(make) == text
 
 
 @pytest.mark.parametrize("entry", PARAMETERS, ids=lambda entry: entry.key)
 def test_the_bounds_themselves_are_allowed(entry: Any) -> None:
+    """Contract: bounds are inclusive, the next number beyond is refused."""
     for value in (entry.lower, entry.upper):
         par = pack(Mechanism())
         par[index(entry.key)] = value
@@ -142,11 +150,13 @@ def test_the_bounds_themselves_are_allowed(entry: Any) -> None:
 
 
 def test_whole_numbers_become_floats() -> None:
+    """Contract: the type."""
     assert type(Beam(EA=7500).EA) is float
     assert Beam(EA=7500) == Beam()
 
 
 def test_numpy_numbers_are_numbers() -> None:
+    """Contract: the type, and the value unchanged."""
     for value in (np.float64(2.5), np.float32(2.5), np.int64(2)):
         neck = Mechanism().replace(EI=value)
         assert type(neck.beam.EI) is float
@@ -154,6 +164,7 @@ def test_numpy_numbers_are_numbers() -> None:
 
 
 def test_a_mechanism_is_frozen_and_travels() -> None:
+    """Contract: immutable, hashable, the same after pickle and copy."""
     neck = Mechanism().replace(precurvature=0.2, EI=2.0)
     with pytest.raises(AttributeError):
         neck.beam.EI = 1.0  # type: ignore[misc]
@@ -164,6 +175,7 @@ def test_a_mechanism_is_frozen_and_travels() -> None:
 
 
 def test_an_effect_of_size_zero_is_absent() -> None:
+    """Contract: 0 switches an effect off."""
     assert dict(Effects({"precurvature": 0.0, "head_mass": 0.5})) == {"head_mass": 0.5}
     assert Mechanism().replace(precurvature=0.2).replace(precurvature=0) == Mechanism()
 
@@ -172,6 +184,7 @@ def test_an_effect_of_size_zero_is_absent() -> None:
 
 
 def test_replace_takes_several_names_short_and_dotted() -> None:
+    """By hand: the expected values are written out."""
     neck = Mechanism().replace(EI=2.9, h=0.06, precurvature=0.2, **{"head.mass": 2.0, "effects.head_mass": 0.1})
     assert (neck.beam.EI, neck.beam.EA) == (2.9, 7500.0)
     assert neck.head == Head(2.0, 0.06, 0.0)
@@ -183,6 +196,7 @@ def test_replace_takes_several_names_short_and_dotted() -> None:
 
 
 def test_replace_says_what_is_wrong() -> None:
+    """Contract: the text of the error, written by hand."""
     assert message(Mechanism().replace, preCurvature=1.0) == (
         "no parameter is called 'preCurvature' (did you mean 'precurvature'?)"
     )
@@ -190,6 +204,7 @@ def test_replace_says_what_is_wrong() -> None:
 
 
 def test_find_and_index() -> None:
+    """Contract: every name leads to its own place, a misspelt one to a suggestion."""
     assert find("EA") is find("beam.EA") is PARAMETERS[index("EA")]
     assert find("precurvature").key == "effects.precurvature"
     assert [index(entry.key) for entry in PARAMETERS] == list(range(len(PARAMETERS)))
@@ -199,6 +214,7 @@ def test_find_and_index() -> None:
 
 
 def test_a_short_name_that_two_sections_share_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Contract: an ambiguous name is an error that lists the full names."""
     from ecm_fast.mechanism import parameters
 
     shared = {entry.name for entry in PARAMETERS if len(parameters._SHORT[entry.name]) > 1}
@@ -212,6 +228,7 @@ def test_a_short_name_that_two_sections_share_is_refused(monkeypatch: pytest.Mon
 
 
 def test_pack_puts_every_number_at_its_place() -> None:
+    """By hand: the vector by name, and the way back."""
     neck = Mechanism.preset("paper").replace(axial_law="hooke", gravity_tilt=0.3, pulley_shift=-0.002)
     par = dict(zip([entry.key for entry in PARAMETERS], pack(neck).tolist(), strict=True))
     expected = {key: value for key, (value, _) in THEORY.items()}
@@ -223,6 +240,7 @@ def test_pack_puts_every_number_at_its_place() -> None:
 
 
 def test_a_vector_that_is_none() -> None:
+    """Contract: the text of the error, written by hand."""
     n = len(PARAMETERS)
     assert message(unpack, np.zeros(3)) == f"a parameter vector has shape ({n},), not (3,)"
     par = pack(Mechanism())
@@ -240,6 +258,7 @@ FULL = Mechanism.preset("paper").replace(
 
 
 def test_a_file_reads_back_to_the_same_mechanism(tmp_path: Path) -> None:
+    """Round trip: every digit survives."""
     path = tmp_path / "neck.toml"
     FULL.to_toml(path)
     assert Mechanism.from_toml(path) == FULL
@@ -247,7 +266,8 @@ def test_a_file_reads_back_to_the_same_mechanism(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("preset", ["slender", "paper"])
-def test_the_template_is_the_preset_and_says_where_every_value_comes_from(tmp_path: Path, preset: str) -> None:
+def test_the_template_is_the_preset_and_names_every_source(tmp_path: Path, preset: str) -> None:
+    """Published: the status of every value as tabulated by hand in `THEORY`."""
     path = tmp_path / "neck.toml"
     path.write_text(template(preset), encoding="utf-8")
     assert Mechanism.from_toml(path) == Mechanism.preset(preset)
@@ -261,6 +281,7 @@ SOFT = Mechanism().replace(**{"soft_spot.size": 0.1, "soft_spot.place": 0.5})
 
 
 def test_every_key_is_optional(tmp_path: Path) -> None:
+    """By hand: the expected mechanisms are written out."""
     path = tmp_path / "neck.toml"
     for content, expected in {
         "": Mechanism(),
@@ -279,6 +300,7 @@ def test_every_key_is_optional(tmp_path: Path) -> None:
 
 
 def test_the_example_of_the_interface_is_a_good_file(tmp_path: Path) -> None:
+    """By hand: the documented example."""
     path = tmp_path / "neck.toml"
     path.write_text(
         'preset = "slender"\n[beam]\nlength = 0.109\nEA = 7500.0\nGA = 2420.0\nEI = 3.0\nmass_per_length = 9.47\n'
@@ -320,6 +342,7 @@ def test_the_example_of_the_interface_is_a_good_file(tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_a_file_that_cannot_be_meant(tmp_path: Path, content: str, text: str) -> None:
+    """Contract: the text of the error, written by hand."""
     path = tmp_path / "neck.toml"
     path.write_text(content, encoding="utf-8")
     assert message(Mechanism.from_toml, path) == f"{path}: {text}"
@@ -339,6 +362,7 @@ def test_a_file_that_cannot_be_meant(tmp_path: Path, content: str, text: str) ->
     ],
 )
 def test_a_file_that_is_not_toml(tmp_path: Path, content: bytes) -> None:
+    """Contract: one line that names the file."""
     path = tmp_path / "neck.toml"
     path.write_bytes(content)
     assert message(Mechanism.from_toml, path).startswith(f"{path}: not a TOML file (")
@@ -354,18 +378,21 @@ def test_a_file_that_is_not_toml(tmp_path: Path, content: bytes) -> None:
     ],
 )
 def test_a_number_too_long_to_be_written_out(tmp_path: Path, content: str, key: str) -> None:
+    """Contract: one line that names the key, whatever the number of digits."""
     path = tmp_path / "neck.toml"
     path.write_text(content.format("0x" + "f" * 5000))
     assert message(Mechanism.from_toml, path).startswith(f"{path}: {key} = ")
 
 
 def test_a_table_nested_too_deep_to_be_written_out(tmp_path: Path) -> None:
+    """Contract: one line that names the key, whatever the depth."""
     path = tmp_path / "neck.toml"
     path.write_text("[beam]\nEA" + ".a" * 5000 + " = 1")
     assert message(Mechanism.from_toml, path).startswith(f"{path}: beam.EA = ")
 
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
+    """Contract: the operating system's reason in one line."""
     assert message(Mechanism.from_toml, tmp_path / "no.toml") == (
         f"{tmp_path / 'no.toml'}: cannot be read (No such file or directory)"
     )
@@ -376,6 +403,7 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
 
 
 def test_a_file_is_written_and_replaced(tmp_path: Path) -> None:
+    """Contract: the bytes, and no other file left in the folder."""
     path = tmp_path / "a.txt"
     assert write_whole(path, "one\n") == path
     assert write_whole(str(path), b"two\n") == path
@@ -385,6 +413,7 @@ def test_a_file_is_written_and_replaced(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no permission bits")
 def test_a_new_file_is_as_public_as_any(tmp_path: Path) -> None:
+    """Contract: the permissions that the operating system gives any file."""
     (tmp_path / "usual").touch()
     write_whole(tmp_path / "new", "")
     assert (tmp_path / "new").stat().st_mode == (tmp_path / "usual").stat().st_mode
@@ -395,6 +424,7 @@ def test_a_new_file_is_as_public_as_any(tmp_path: Path) -> None:
 def test_a_failure_in_the_middle_leaves_the_old_file_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: str, error: BaseException
 ) -> None:
+    """Contract: a write that fails at any step changes nothing."""
     path = tmp_path / "a.txt"
     path.write_text("old")
 
@@ -412,6 +442,7 @@ def test_a_failure_in_the_middle_leaves_the_old_file_alone(
 
 
 def test_places_that_cannot_be_written(tmp_path: Path) -> None:
+    """Contract: the operating system's reason in one line."""
     (tmp_path / "folder").mkdir()
     (tmp_path / "file").write_text("")
     for place, reason in {
@@ -435,6 +466,7 @@ def test_what_is_no_file_is_not_replaced_by_one(tmp_path: Path) -> None:
 
 
 def test_a_link_stays_a_link(tmp_path: Path) -> None:
+    """Contract: the target is written, the link is kept."""
     (tmp_path / "link").symlink_to(tmp_path / "file")
     (tmp_path / "file").write_text("old")
     write_whole(tmp_path / "link", "new")
@@ -443,6 +475,7 @@ def test_a_link_stays_a_link(tmp_path: Path) -> None:
 
 
 def test_remarks_stand_at_the_top_and_change_nothing(tmp_path):
+    """By hand: the comment lines; the mechanism is unchanged."""
     path = tmp_path / "neck.toml"
     FULL.to_toml(path, ["from run.csv", "two\nlines = 1"])
     assert path.read_text(encoding="utf-8").splitlines()[1:3] == ["# from run.csv", "# two lines = 1"]

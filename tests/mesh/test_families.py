@@ -138,7 +138,7 @@ def test_constant_curvature_is_exact(table, family, law):
 
 
 @pytest.mark.parametrize(("elements", "order"), [(1, 1), (5, 1), (1, 3), (3, 2), (2, 4), ([1.0, 3.0], 6)])
-def test_with_as_many_points_as_the_order_the_tip_is_that_of_lagrange_elements(elements, order):
+def test_with_p_points_the_tip_is_that_of_lagrange_elements(elements, order):
     """Theory: both are Gauss collocation, whose strains at the Gauss points are free and whose poses integrate them."""
     one = FiniteElementModel(neck(), elements, order).solve(LAM, WRENCH).raise_if_failed()
     other = FiniteElementModel(neck(), elements, order, order, family="strain").solve(LAM, WRENCH).raise_if_failed()
@@ -196,7 +196,7 @@ def test_tip_converges_with_the_order_that_the_family_states(table, name, family
     assert least - 0.15 < model.discretization.tip_order < most + 0.15
 
 
-def test_constant_strains_are_better_than_linear_elements_at_the_same_cost(table):
+def test_constant_strains_are_better_than_linear_elements(table):
     """Shooting: both are of second order, but on the slender neck the arcs of SE(2) leave a third of the error."""
     worst = {}
     rows = [row for row in table("tendon_equilibria") if row["L"] == 0.109 and row["routing"] != "pulley"]
@@ -359,7 +359,7 @@ def test_derivatives_are_central_differences(family):
 
 
 @pytest.mark.parametrize("family", [("se2", 4, 1), ("strain", 2, 3)])
-def test_equilibria_are_where_the_energy_of_the_reference_is_stationary_and_least(family):
+def test_equilibria_are_minima_of_the_reference_energy(family):
     """Complex step and Sylvester: no gradient at the free unknowns, a positive definite second derivative."""
     name, elements, order = family
     model = FiniteElementModel(neck(), elements, order, family=name)
@@ -377,6 +377,7 @@ def test_equilibria_are_where_the_energy_of_the_reference_is_stationary_and_leas
 
 @pytest.mark.parametrize("family", [("se2", 4, 1), ("strain", 2, 3)])
 def test_batch_stepper_and_solve_agree(family):
+    """Contract: three ways in, one answer; batches to the bit, the stepper to its tolerance."""
     name, elements, order = family
     model = FiniteElementModel(neck(), elements, order, family=name)
     lam = np.array(list(itertools.product((0.0, 60.0, 150.0), repeat=2)))
@@ -398,6 +399,7 @@ def test_batch_stepper_and_solve_agree(family):
 
 @pytest.mark.parametrize("family", [("se2", 4, 1), ("strain", 2, 3)])
 def test_the_shape_meets_the_nodes_that_are_places(family):
+    """Contract: at its own nodes the shape is the solution."""
     name, elements, order = family
     eq = FiniteElementModel(neck(), elements, order, family=name).solve(LAM, WRENCH).raise_if_failed()
     np.testing.assert_allclose(eq.shape(elements + 1), eq.q.reshape(-1, 3)[::order], rtol=0.0, atol=1e-15)
@@ -428,6 +430,7 @@ def test_the_arc_is_its_closed_form_on_both_sides_of_its_series():
     ],
 )
 def test_what_is_refused(changes, message):
+    """Contract: the one line of the error."""
     with pytest.raises(InputError) as caught:
         FiniteElementModel(**changes)
     assert message in str(caught.value)
@@ -435,6 +438,7 @@ def test_what_is_refused(changes, message):
 
 
 def test_a_model_says_its_family():
+    """Contract: the text, written by hand."""
     assert repr(FiniteElementModel(elements=8, family="se2")) == (
         "FiniteElementModel(8 se2 element(s) of order 1, 1 Gauss points each)"
     )

@@ -86,6 +86,7 @@ tensions = st.one_of(numbers, signed)
 @hostile(150)
 @given(every_value)
 def test_any_mechanism_goes_to_a_file_and_to_a_vector_and_back(neck: Mechanism) -> None:
+    """Round trip: every digit, for random mechanisms."""
     with tempfile.TemporaryDirectory() as folder:
         neck.to_toml(Path(folder) / "neck.toml")
         again = Mechanism.from_toml(Path(folder) / "neck.toml")
@@ -143,6 +144,7 @@ def check_file(content: bytes) -> None:
 @hostile(300)
 @given(trees)
 def test_any_tree_as_a_mechanism_file(tree: dict[str, Any]) -> None:
+    """Contract: a mechanism or one line of error, for random TOML."""
     text = "\n".join(f"{json.dumps(key, ensure_ascii=False)} = {toml(value)}" for key, value in tree.items())
     check_file(text.encode("utf-8", "surrogatepass"))
 
@@ -150,12 +152,14 @@ def test_any_tree_as_a_mechanism_file(tree: dict[str, Any]) -> None:
 @hostile(200)
 @given(st.one_of(st.binary(), st.text().map(lambda text: text.encode("utf-8", "surrogatepass"))))
 def test_any_bytes_as_a_mechanism_file(content: bytes) -> None:
+    """Contract: a mechanism or one line of error, for random bytes."""
     check_file(content)
 
 
 @hostile(120)
 @given(st.data())
 def test_a_good_file_with_damage(data: st.DataObject) -> None:
+    """Contract: a mechanism or one line of error, for a file with changed bytes."""
     with tempfile.TemporaryDirectory() as folder:
         data.draw(mechanisms).to_toml(Path(folder) / "neck.toml")
         content = bytearray((Path(folder) / "neck.toml").read_bytes())
@@ -179,6 +183,7 @@ def answered(pose: Any, status: Status) -> None:
 def test_any_mechanism_under_any_load(
     neck: Mechanism, mesh: tuple[int, int], lam_l: float, lam_r: float, fx: float, fz: float, tau: float
 ) -> None:
+    """Contract: a finite pose with a good status, or nan with a bad one, or one line of error."""
     lam, wrench = (lam_l, lam_r), (fx, fz, tau)
     finite, pulls = bool(np.isfinite([*lam, *wrench]).all()), not (lam_l < 0.0 or lam_r < 0.0)
     model = FiniteElementModel(neck, *mesh)
@@ -212,6 +217,7 @@ def test_any_mechanism_under_any_load(
 @hostile(100)
 @given(st.lists(st.floats(), min_size=len(PARAMETERS), max_size=len(PARAMETERS)), st.integers(0, len(PARAMETERS) - 1))
 def test_any_numbers_as_the_parameters_of_a_batch(par: list[float], place: int) -> None:
+    """Contract: one line of error, or rows that answer for themselves."""
     one_wrong = pack(Mechanism())
     one_wrong[place] = par[place]
     model = FiniteElementModel()
@@ -228,6 +234,7 @@ def test_any_numbers_as_the_parameters_of_a_batch(par: list[float], place: int) 
 
 @pytest.mark.parametrize("loads", [("a", 1.0), (1.0,), (1.0,) * 4, 1.0, (1j, 1.0), ((1.0, 2.0), (3.0,))], ids=repr)
 def test_loads_that_cannot_be(loads: Any) -> None:
+    """Contract: one line of error at every way in."""
     model = FiniteElementModel()
     for call in (model.solve, model.solve_batch, lambda wrench: model.solve((1.0, 1.0), wrench)):
         with pytest.raises(InputError) as caught:
@@ -241,6 +248,7 @@ def test_loads_that_cannot_be(loads: Any) -> None:
     ids=lambda elements: repr(elements)[:20],
 )
 def test_elements_that_cannot_be(elements: Any) -> None:
+    """Contract: one line of error."""
     with pytest.raises(InputError) as caught:
         Discretization.of(elements)
     one_line(caught.value)
@@ -248,6 +256,7 @@ def test_elements_that_cannot_be(elements: Any) -> None:
 
 @pytest.mark.parametrize("elements", [[1e308, 1e308], [1e-320, 1.0], [1e-12, 1.0], [1.0, 1e300]], ids=repr)
 def test_elements_of_extreme_lengths(elements: list[float]) -> None:
+    """Contract: an answer with its status, or one line of error."""
     try:
         eq = FiniteElementModel(elements=elements).solve((40.0, 10.0))
     except InputError as error:
@@ -258,6 +267,7 @@ def test_elements_of_extreme_lengths(elements: list[float]) -> None:
 
 @pytest.mark.parametrize("order", [0, 7, -1, 2.5, float("nan"), "6", [1, 2], np.array([1, 2])], ids=repr)
 def test_orders_that_cannot_be(order: Any) -> None:
+    """Contract: one line of error."""
     with pytest.raises(InputError) as caught:
         Discretization.of(1, order)
     one_line(caught.value)
@@ -367,6 +377,7 @@ STIFF_IN_SHEAR = Mechanism().replace(length=1.0, EA=1.0, GA=1e6, EI=1.0, mass_pe
 @given(loaded_necks(), meshes)
 @example((STIFF_IN_SHEAR, (0.0, 0.0), (0.0, 1.0, 0.0)), (1, 1))  # the compliance had lost eleven digits
 def test_a_claimed_equilibrium_is_one(case: Any, mesh: tuple[int, int]) -> None:
+    """Reference in NumPy: residual and tangent at the claimed solution, for random cases."""
     neck, lam, wrench = case
     model = FiniteElementModel(neck, *mesh)
     eq = model.solve(lam, wrench)
@@ -387,6 +398,7 @@ def test_a_claimed_equilibrium_is_one(case: Any, mesh: tuple[int, int]) -> None:
 def test_a_claimed_equilibrium_is_one_under_any_load(
     neck: Mechanism, mesh: tuple[int, int], lam_l: float, lam_r: float, fx: float, fz: float, tau: float
 ) -> None:
+    """Reference in NumPy: residual and tangent at the claimed solution, for loads of any size."""
     loads = np.array([lam_l, lam_r, fx, fz, tau])
     assume(np.isfinite(loads).all() and lam_l >= 0.0 and lam_r >= 0.0)
     model = FiniteElementModel(neck, *mesh)
@@ -401,6 +413,7 @@ def test_a_claimed_equilibrium_is_one_under_any_load(
 def test_any_tensions_in_a_control_loop(
     neck: Mechanism, mesh: tuple[int, int], loop: list[tuple[float, float]]
 ) -> None:
+    """Contract: an answer with its status at every step, and a good one afterwards."""
     model = FiniteElementModel(neck, *mesh)
     step = model.stepper()
     for lam in [*loop, (0.0, 0.0)]:
@@ -414,6 +427,7 @@ def test_any_tensions_in_a_control_loop(
 @pytest.mark.parametrize("curvature", [1.0, -9.0, 10.0, -20.0, 50.0, 100.0])
 @pytest.mark.parametrize("mesh", [(1, 5), (4, 3)])
 def test_a_beam_cast_as_an_arc_stays_one(curvature: float, mesh: tuple[int, int]) -> None:
+    """Closed form: without load the tip angle is length times curvature."""
     neck = Mechanism().replace(precurvature=curvature, mass_per_length=0.0, **{"head.mass": 0.0})
     eq = FiniteElementModel(neck, *mesh).solve((0.0, 0.0))
     assert eq.stable
@@ -424,6 +438,7 @@ def test_a_beam_cast_as_an_arc_stays_one(curvature: float, mesh: tuple[int, int]
 @pytest.mark.parametrize("axis", [0, 1, 2])
 @pytest.mark.parametrize("power", range(3, 16))
 def test_a_claimed_equilibrium_is_one_under_a_colossal_load(axis: int, power: int) -> None:
+    """Reference in NumPy: residual and tangent, under loads up to 1e300."""
     model = FiniteElementModel()
     for sign in (1.0, -1.0):
         wrench = np.zeros(3)
@@ -436,6 +451,7 @@ def test_a_claimed_equilibrium_is_one_under_a_colossal_load(axis: int, power: in
 
 @slow_uncompiled
 def test_a_fine_mesh_that_finds_no_equilibrium_gives_up() -> None:
+    """Contract: a bounded number of Newton steps."""
     eq = FiniteElementModel(elements=400, order=6).solve((0.0, 0.0), (0.0, 0.0, 3e4))
     assert eq.iterations <= MOST_STEPS
     answered(eq.pose, eq.status)
@@ -460,6 +476,7 @@ arguments = st.one_of(
 @hostile(400)
 @given(arguments)
 def test_any_arguments(words: list[str]) -> None:
+    """Contract: an exit code and lines on stderr, never a traceback."""
     out, err = io.StringIO(), io.StringIO()
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         Path("run.csv").write_text("lam_l_N,lam_r_N\n40,10\n5000,0\n")
@@ -500,6 +517,7 @@ def spoiled_rows(column: int) -> tuple[Any, Any, list[int]]:
 @pytest.mark.parametrize("column", range(5))
 @pytest.mark.parametrize("mesh", WAYS.values(), ids=WAYS)
 def test_spoiled_rows_have_a_status_and_the_others_their_poses(mesh: tuple[int, int], column: int) -> None:
+    """Contract: a spoiled row is nan, all others are as without it."""
     model = FiniteElementModel(elements=mesh[0], order=mesh[1])
     exact = model.solve_batch(GOOD, tolerance=1e-13).pose
     lam, wrench, rows = spoiled_rows(column)
@@ -525,7 +543,8 @@ def test_spoiled_rows_have_a_status_and_the_others_their_poses(mesh: tuple[int, 
 
 @slow_uncompiled
 @pytest.mark.parametrize("mesh", WAYS.values(), ids=WAYS)
-def test_after_any_single_load_the_next_solve_is_the_same_to_the_bit(mesh: tuple[int, int]) -> None:
+def test_after_any_load_the_next_solve_is_the_same_to_the_bit(mesh: tuple[int, int]) -> None:
+    """Contract: a solve leaves nothing behind."""
     model = FiniteElementModel(elements=mesh[0], order=mesh[1])
     expected = model.solve((40.0, 10.0))
     for value in [*IMPOSSIBLE, *COLOSSAL]:
@@ -546,6 +565,7 @@ def test_after_any_single_load_the_next_solve_is_the_same_to_the_bit(mesh: tuple
 
 @pytest.mark.parametrize("mesh", WAYS.values(), ids=WAYS)
 def test_negative_forces_are_refused_by_row_at_every_way_in(mesh: tuple[int, int]) -> None:
+    """Contract: the error names the row, at every way in."""
     model, lam = FiniteElementModel(elements=mesh[0], order=mesh[1]), GOOD.copy()
     lam[3, 1] = -2.0
     par = np.tile(pack(model.mechanism), (70, 1))

@@ -17,6 +17,7 @@ def wishes_at(lam, names, model=MODEL, wrench=(0.0, 0.0, 0.0)) -> dict[str, floa
 
 @pytest.mark.parametrize("names", PAIRS)
 def test_wishes_that_some_forces_meet_are_met(names):
+    """Round trip: the wished pose is that of known forces, and the answer leads to it."""
     rng = np.random.default_rng(1)
     sides = [(0.0, 0.0), (160.0, 0.0), (0.0, 160.0), (160.0, 160.0), (0.0, 70.0)]
     for lam in [*rng.uniform(0.0, 160.0, (60, 2)), *sides]:
@@ -29,6 +30,7 @@ def test_wishes_that_some_forces_meet_are_met(names):
 
 
 def test_mirrored_wishes_have_mirrored_answers():
+    """Mirror symmetry of a symmetric neck."""
     left, right = MODEL.inverse(theta=0.15, co_contraction=60.0), MODEL.inverse(theta=-0.15, co_contraction=60.0)
     np.testing.assert_allclose(left, right[::-1], atol=1e-6)
     assert left[1] > left[0]
@@ -36,6 +38,7 @@ def test_mirrored_wishes_have_mirrored_answers():
 
 @pytest.mark.parametrize("elements", [1, 10])
 def test_a_dead_wrench_counts(elements):
+    """Round trip: the forces that made the wish are found again."""
     model, wrench = ecm.FiniteElementModel(NECK, elements, 2), (-20.0, 5.0, 0.4)
     wish = wishes_at((90.0, 60.0), ("z", "theta"), model, wrench)
     np.testing.assert_allclose(model.inverse(**wish, wrench=wrench), (90.0, 60.0), atol=1e-4)
@@ -44,6 +47,7 @@ def test_a_dead_wrench_counts(elements):
 
 
 def test_out_of_reach_names_the_nearest():
+    """Brute force: no forces on a grid come nearer than those that the error names."""
     with pytest.raises(ecm.OutOfReach, match=r"theta = 1 rad, co_contraction = 40 N is out of reach") as caught:
         MODEL.inverse(theta=1.0, co_contraction=40.0)
     # the nearest: one tendon slack, the other at its limit, unless the mean weighs more
@@ -64,6 +68,7 @@ def test_out_of_reach_names_the_nearest():
     "wish", [{"x": 0.2, "z": 0.0}, {"theta": 0.3, "co_contraction": 5.0}, {"z": 0.0, "theta": 0.2}]
 )
 def test_impossible_wishes_are_refused(wish):
+    """Contract: the error offers the nearest."""
     with pytest.raises(ecm.OutOfReach, match="nearest"):
         MODEL.inverse(**wish)
 
@@ -80,6 +85,7 @@ def test_impossible_wishes_are_refused(wish):
     ],
 )
 def test_wishes_that_cannot_be_meant(arguments, text):
+    """Contract: the text of the error."""
     with pytest.raises(ecm.InputError, match=text):
         MODEL.inverse(**arguments)
     assert MODEL.inverse(theta=0.1, co_contraction=40.0).shape == (2,)
@@ -87,6 +93,7 @@ def test_wishes_that_cannot_be_meant(arguments, text):
 
 @pytest.mark.parametrize(("accuracy", "order"), [(1e-3, 3), (2e-4, 3), (1e-4, 4), (1e-6, 5), (1e-8, 6)])
 def test_the_accuracy_asked_for_chooses_the_order_and_is_kept(accuracy, order):
+    """Finer mesh: four elements of order 6, over the paper's box and the tendon range."""
     rng = np.random.default_rng(3)
     box = rng.uniform([-330.0, -80.0, -11.0], [20.0, 80.0, 11.0], (2000, 3))
     lam = np.concatenate([np.zeros((2000, 2)), rng.uniform(0.0, 160.0, (2000, 2))])
@@ -102,5 +109,6 @@ def test_the_accuracy_asked_for_chooses_the_order_and_is_kept(accuracy, order):
 
 
 def test_more_accuracy_than_one_element_has_is_refused():
+    """Contract: the text of the error."""
     with pytest.raises(ecm.InputError, match="accuracy = 1e-09"):
         ecm.FiniteElementModel(NECK, accuracy=1e-9)

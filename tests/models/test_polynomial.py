@@ -61,6 +61,7 @@ def wrenches_of(tensor_list, points):
 
 
 def test_the_written_out_polynomials_are_up_to_date():
+    """Contract: the files are what their writer makes."""
     spec = importlib.util.spec_from_file_location("write_polynomial", ROOT / "tools" / "write_polynomial.py")
     writer = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(writer)
@@ -70,6 +71,7 @@ def test_the_written_out_polynomials_are_up_to_date():
 
 
 def test_the_terms_stand_in_the_order_of_the_paper():
+    """Published: (47) of the paper, and binomial counts."""
     terms = exponents(3, 3)
     assert len(terms) == 20
     # (47): 1, x, z, theta, x^2, x z, ..., theta^2, x^3, x^2 z, ..., theta^3
@@ -83,6 +85,7 @@ def test_the_terms_stand_in_the_order_of_the_paper():
 @pytest.mark.parametrize("degree", DEGREES)
 @pytest.mark.parametrize("k", [2, 3])
 def test_kernels_meet_numpy(k, degree):
+    """NumPy's own polynomials, at random points, values and slopes."""
     rng = np.random.default_rng(degree)
     known, center = tensors(rng, k, degree), rng.normal(size=k)
     polynomial = Polynomial(center, np.array([[tensor[powers] for powers in exponents(k, degree)] for tensor in known]))
@@ -107,6 +110,7 @@ def test_kernels_meet_numpy(k, degree):
 
 
 def test_every_layout_of_poses_gives_the_same():
+    """Contract: the memory layout of the argument changes nothing."""
     rng = np.random.default_rng(3)
     points = poses(rng, 100)
     poly = PolynomialModel.fit(points, wrenches_of(tensors(rng, 3, 3), points))
@@ -122,6 +126,7 @@ def test_every_layout_of_poses_gives_the_same():
 
 
 def test_a_call_leaves_no_memory_behind():
+    """Counted by numba's own statistics of allocations."""
     step = Polynomial(np.zeros(3), np.ones((3, 20))).stepper(slopes=True)
     slopes = np.empty((3, 3))
     step(0.1, 0.2, 0.3, slopes)
@@ -139,6 +144,7 @@ def test_a_call_leaves_no_memory_behind():
 
 @pytest.mark.parametrize("degree", DEGREES)
 def test_a_polynomial_is_found_again(degree):
+    """Round trip: the known polynomial, to the digits that the condition number leaves."""
     rng = np.random.default_rng(10 + degree)
     known, points = tensors(rng, 3, degree), poses(rng, 600)
     poly = PolynomialModel.fit(points, wrenches_of(known, points), degree)
@@ -154,6 +160,7 @@ def test_a_polynomial_is_found_again(degree):
 
 @pytest.mark.parametrize("degree", DEGREES)
 def test_an_energy_is_found_again(degree):
+    """Round trip: the gradient of a known energy, by NumPy's derivative."""
     rng = np.random.default_rng(20 + degree)
     points, half = poses(rng, 600), 0.5 * (HIGH - LOW)
     energy = tensors(rng, 3, degree + 1)[0]
@@ -174,6 +181,7 @@ def test_an_energy_is_found_again(degree):
 
 
 def test_thirty_four_numbers_instead_of_sixty():
+    """Combinatorics: 3 C(6, 3) = 60, and C(7, 3) - 1 = 34 of one energy."""
     points = poses(np.random.default_rng(0), 100)
     values = wrenches_of(tensors(np.random.default_rng(0), 3, 3), points)
     assert PolynomialModel.fit(points, values).coefficient_count == 60
@@ -181,6 +189,7 @@ def test_thirty_four_numbers_instead_of_sixty():
 
 
 def test_the_free_fit_is_the_least_squares_solution_of_numpy():
+    """NumPy's lstsq on the same terms."""
     rng = np.random.default_rng(5)
     points, values = poses(rng, 300), rng.normal(size=(308, 3))
     A = np.prod(scaled(points)[:, None, :] ** np.array(exponents(3, 2)), axis=2)
@@ -191,7 +200,8 @@ def test_the_free_fit_is_the_least_squares_solution_of_numpy():
 
 
 @pytest.mark.parametrize("conservative", [False, True])
-def test_a_weight_of_two_is_a_row_four_times_and_one_of_zero_none(conservative):
+def test_a_weight_of_two_is_a_row_four_times(conservative):
+    """Identity of weighted least squares: weight 2 is a row four times, weight 0 is none."""
     rng = np.random.default_rng(6)
     points, values = poses(rng, 60), rng.normal(size=(68, 3))
     weights = np.ones(68)
@@ -209,6 +219,7 @@ def test_a_weight_of_two_is_a_row_four_times_and_one_of_zero_none(conservative):
 
 
 def test_stiffness_is_the_derivative_by_complex_step():
+    """Complex step through NumPy's polynomials."""
     rng = np.random.default_rng(7)
     known, points = tensors(rng, 3, 3), poses(rng, 300)
     poly = PolynomialModel.fit(points, wrenches_of(known, points))
@@ -238,6 +249,7 @@ def test_stiffness_is_the_derivative_by_complex_step():
     ids=["few", "none", "flat", "collinear", "repeated", "nan", "columns", "text", "rows"],
 )
 def test_poses_that_cannot_be_fitted_to(change, text):
+    """Contract: the text of the error."""
     rng = np.random.default_rng(8)
     points = poses(rng, 100)
     changed = change(points)
@@ -247,6 +259,7 @@ def test_poses_that_cannot_be_fitted_to(change, text):
 
 
 def test_too_few_poses_for_an_energy():
+    """Counting: 34 coefficients need 12 rows of three numbers."""
     points = poses(np.random.default_rng(9), 0)
     values = np.random.default_rng(9).normal(size=(8, 3))
     with pytest.raises(InputError, match=r"^8 rows do not determine a polynomial of degree 3: at least 12 are needed$"):
@@ -255,12 +268,14 @@ def test_too_few_poses_for_an_energy():
 
 @pytest.mark.parametrize("degree", [0, 7, 2.0, True, "3"])
 def test_degrees_that_cannot_be(degree):
+    """Contract: the text of the error."""
     with pytest.raises(InputError, match=r"^degree = .*: allowed is a whole number from 1 to 6$"):
         PolynomialModel.fit(np.zeros((5, 3)), np.zeros((5, 3)), degree)
 
 
 @pytest.mark.parametrize("weights", [np.ones(7), -np.ones(8), np.full(8, np.nan), "heavy"])
 def test_weights_that_cannot_be(weights):
+    """Contract: the text of the error."""
     with pytest.raises(InputError, match=r"^weights "):
         PolynomialModel.fit(poses(np.random.default_rng(0), 0), np.zeros((8, 3)), 1, weights=weights)
 
@@ -277,6 +292,7 @@ def fitted():
 
 
 def test_beyond_the_range_it_warns_once_a_call(fitted):
+    """By hand: distances from the range that the fixture has."""
     beyond = np.array([[0.1, 0.07, 0.0], [0.1, 0.0, 1.0], [0.1, 0.0, 0.9], [0.1, 0.0, 0.0]])
     text = (
         "3 of 4 rows leave the range: z by up to 0.02 m (trained from -0.06 to 0.05), "
@@ -291,7 +307,8 @@ def test_beyond_the_range_it_warns_once_a_call(fitted):
     np.testing.assert_array_equal(fitted[0].outside(beyond)[:, 1:].any(axis=1), [True, True, True, False])
 
 
-def test_within_the_range_and_where_nothing_is_known_it_is_silent(fitted):
+def test_within_the_range_it_is_silent(fitted):
+    """Contract: no warning within the range, for nan, or from a stepper."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert np.isfinite(fitted[0].wrench(np.stack([LOW, HIGH]))).all()
@@ -302,11 +319,13 @@ def test_within_the_range_and_where_nothing_is_known_it_is_silent(fitted):
 
 
 def test_only_a_conservative_model_has_an_energy(fitted):
+    """Contract: the text of the error."""
     with pytest.raises(InputError, match="only a model fitted with conservative=True has an energy"):
         fitted[0].energy(LOW)
 
 
 def test_it_shows_what_it_is(fitted):
+    """Contract: the text, written by hand."""
     assert repr(fitted[0]).startswith(
         "<PolynomialModel of degree 3, x, z, theta to fx, fz, tau: 60 coefficients from 208 rows, condition "
     )
@@ -320,6 +339,7 @@ def test_it_shows_what_it_is(fitted):
 
 @pytest.mark.parametrize("which", [0, 1])
 def test_a_file_brings_back_every_digit(fitted, tmp_path, which):
+    """Round trip: every digit."""
     poly = fitted[which]
     again = PolynomialModel.from_json(poly.to_json(tmp_path / "poly.json"))
     points = np.random.default_rng(12).uniform(LOW, HIGH, (50, 3))
@@ -335,6 +355,7 @@ def test_a_file_brings_back_every_digit(fitted, tmp_path, which):
 
 
 def test_a_file_can_be_evaluated_by_others(fitted, tmp_path):
+    """By hand: the file's own exponents and coefficients, summed here."""
     content = json.loads(fitted[0].to_json(tmp_path / "poly.json").read_text())
     pose = np.array([0.1, 0.01, -0.2])
     terms = [math.prod((pose - content["center"]) ** powers) for powers in content["exponents"]]
@@ -383,6 +404,7 @@ def edited(**changes):
     ],
 )
 def test_damaged_files(fitted, tmp_path, damage, text):
+    """Contract: one line of error that names the file."""
     path = fitted[0].to_json(tmp_path / "poly.json")
     path.write_text(damage(path.read_text()).replace("Infinity", "1e400"), encoding="latin-1")
     with pytest.raises(InputError, match=text) as caught:
@@ -392,6 +414,7 @@ def test_damaged_files(fitted, tmp_path, damage, text):
 
 
 def test_files_that_are_not_there(fitted, tmp_path):
+    """Contract: the operating system's reason in one line."""
     with pytest.raises(InputError, match=r"no\.json: cannot be read \(No such file or directory\)"):
         PolynomialModel.from_json(tmp_path / "no.json")
     with pytest.raises(InputError, match=r"cannot be written here"):
@@ -407,6 +430,7 @@ def necks():
 
 
 def test_training_poses_are_those_of_their_wrenches(necks):
+    """Published: the box (48); and the model's own solve of every wrench."""
     known = training_poses(necks["slender"], 50, seed=1)
     assert (len(known), known.dropped) == (50, 0)
     low, high = np.array([-330.0, -80.0, -11.0]), np.array([20.0, 80.0, 11.0])  # (48)
@@ -418,6 +442,7 @@ def test_training_poses_are_those_of_their_wrenches(necks):
 
 
 def test_what_buckles_is_dropped_and_counted():
+    """Closed form: the neck buckles at 539.05 N, so 23 % of the draws have no stable pose."""
     bare = FiniteElementModel(Mechanism().replace(mass_per_length=0.0, **{"head.mass": 0.0}))
     # closed form: the neck of 0.109 m buckles at 539.05 N, so of pure compressions up to 700 N 23 % have no stable pose
     known = training_poses(bare, 400, seed=3, box=([-700.0, 0.0, 0.0], [0.0, 0.0, 0.0]))
@@ -428,6 +453,7 @@ def test_what_buckles_is_dropped_and_counted():
 
 
 def test_boxes_that_cannot_be(necks):
+    """Contract: the text of the error."""
     with pytest.raises(NotConverged, match=r"^only 0 of .* random wrenches hold the neck in a stable pose"):
         training_poses(necks["slender"], 2, 0, box=([-5000.0, 0.0, 0.0], [-4000.0, 0.0, 0.0]))
     for box in (([1.0, 0.0, 0.0], [0.0, 0.0, 0.0]), ([0.0], [1.0]), "box", ([0.0, 0.0, 0.0], [np.inf, 0.0, 0.0])):
@@ -454,6 +480,7 @@ def columns(rows, *names):
 
 
 def test_wrenches_of_tendons_meet_the_shooting_solutions(table):
+    """Shooting: wrenches of the table of tendon equilibria."""
     for mechanism, rows in necks_of(table("tendon_equilibria")):
         at = columns(rows, "x_L", "z_L", "theta_L_rad")
         got = tip_wrenches(FiniteElementModel(mechanism), at, columns(rows, "lambda_l", "lambda_r"))
@@ -473,6 +500,7 @@ def test_trained_on_dead_wrenches_it_knows_what_tendons_do(table):
 
 
 def test_stiffness_is_the_inverse_of_the_models_compliance(necks):
+    """Inverse function theorem: stiffness times the model's compliance is the identity."""
     known = training_poses(necks["paper"], 1000, seed=0)
     for conservative in (False, True):
         poly = PolynomialModel.fit(known.poses, known.wrenches, 6, conservative)
@@ -489,6 +517,7 @@ def measurements(rows, **more):
 
 
 def test_measured_rows_and_what_of_them_is_dropped(table):
+    """Shooting: wrenches of the table; dead wrenches add, other rows are dropped."""
     mechanism, rows = necks_of(table("tendon_equilibria"))[0]
     model, n = FiniteElementModel(mechanism), len(rows)
     known = training_rows(model, measurements(rows))
@@ -531,6 +560,8 @@ def test_figure_5(necks):
 
 
 def test_relative_errors_by_hand(necks):
+    """By hand: two rows."""
+
     class Known:
         @staticmethod
         def polynomial(at):
@@ -550,7 +581,8 @@ def test_relative_errors_by_hand(necks):
 
 
 @pytest.mark.parametrize("k", [2, 3])
-def test_the_forward_map_is_found_again_and_comes_back_from_its_file(k, tmp_path):
+def test_the_forward_map_is_found_again_and_filed(k, tmp_path):
+    """Round trip: a known polynomial, NumPy's derivative of it, and its file."""
     rng = np.random.default_rng(30)
     known, loads = tensors(rng, k, 4), rng.uniform(-1.0, 1.0, (400, k))
     values = np.stack([evaluated(tensor, loads) for tensor in known], axis=1)
@@ -569,6 +601,7 @@ def test_the_forward_map_is_found_again_and_comes_back_from_its_file(k, tmp_path
 
 
 def test_the_forward_map_meets_the_model(necks):
+    """Another method: the finite element model at the same loads."""
     rng = np.random.default_rng(31)
     loads = np.concatenate([[[0.0, 0.0], [160.0, 160.0]], rng.uniform(0.0, 160.0, (500, 2))])
     forward = ForwardPolynomial.fit(loads, necks["slender"].solve_batch(loads).pose, 6)

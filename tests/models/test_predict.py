@@ -23,13 +23,15 @@ def rows(**columns: list[float | None]) -> Measurements:
     return Measurements.from_columns(columns)
 
 
-def test_head_mass_and_extra_mass_add_up_to_the_head_of_the_shooting_solution() -> None:
+def test_head_mass_and_extra_mass_add_up() -> None:
+    """Shooting: the table's neck with a head of 1 kg, made of three parts."""
     neck = Mechanism().replace(**{"mass_per_length": 9.471, "head.mass": 0.3, "effects.head_mass": 0.1})
     found = predict(neck, rows(lam_l_N=[160.0], lam_r_N=[0.0], extra_mass_kg=[0.6]), order=6)
     np.testing.assert_allclose(found.pose, [SHOOTING], rtol=0, atol=1e-11)
 
 
 def test_a_changed_row_is_a_model_with_these_values() -> None:
+    """By hand: a model with each row's tilt and mass, solved alone."""
     neck = Mechanism().replace(**{"gravity_tilt": 0.1, "head.b": 0.01})
     data = rows(
         lam_l_N=[40.0, 0.0, 10.0],
@@ -47,13 +49,15 @@ def test_a_changed_row_is_a_model_with_these_values() -> None:
 
 
 def test_the_discretization_and_the_threads_are_passed_on() -> None:
+    """Another way in: the model of the same discretization."""
     data = rows(lam_l_N=[160.0, 80.0], lam_r_N=[0.0, 0.0])
     paper = FiniteElementModel(elements=20, order=1).solve((160.0, 0.0)).raise_if_failed()
     found = predict(Mechanism(), data, elements=20, order=1, threads=2)
     np.testing.assert_allclose(found.pose[0], paper.pose, rtol=0, atol=1e-12)
 
 
-def test_residual_rms_and_rows_count_what_is_measured_and_converged() -> None:
+def test_residual_rms_and_rows_count_measured_and_converged() -> None:
+    """By hand: the prediction plus known steps."""
     # measured poses are the prediction plus known steps, so rms and rows can be worked out by hand
     clean = predict(Mechanism(), rows(lam_l_N=[30.0, 60.0, 0.0], lam_r_N=[0.0, 0.0, 0.0])).pose
     found = predict(
@@ -85,7 +89,8 @@ def test_residual_rms_and_rows_count_what_is_measured_and_converged() -> None:
     )  # fmt: skip
 
 
-def test_the_csv_reads_back_to_the_last_digit_and_leaves_the_unknown_blank(tmp_path: Path) -> None:
+def test_the_csv_reads_back_to_the_last_digit(tmp_path: Path) -> None:
+    """Round trip through Python's csv module; what is unknown is blank."""
     found = predict(
         Mechanism(),
         rows(lam_l_N=[40.0, TOO_MUCH], lam_r_N=[10.0, 0.1], z_m=[0.01, None], tilt_rad=[1 / 3, 0.0]),
@@ -107,6 +112,7 @@ def test_the_csv_reads_back_to_the_last_digit_and_leaves_the_unknown_blank(tmp_p
 
 
 def test_a_tilt_beyond_its_bounds_is_told_with_its_row() -> None:
+    """Contract: the text of the error, written by hand."""
     data = rows(lam_l_N=[0.0, 0.0], tilt_rad=[1.0, 6.5])
     with pytest.raises(InputError) as caught:
         predict(Mechanism().replace(gravity_tilt=1.0), data)
@@ -116,5 +122,6 @@ def test_a_tilt_beyond_its_bounds_is_told_with_its_row() -> None:
 
 
 def test_the_text_of_a_csv() -> None:
+    """By hand: the text."""
     columns = {"a": [0.1, float("nan")], "b": np.array([1, 2]), "c": ["x, y", None]}
     assert csv_text(columns) == 'a,b,c\n0.1,1,"x, y"\n,2,\n'

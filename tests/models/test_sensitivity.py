@@ -151,6 +151,7 @@ def test_stiffnesses_written_out_are_the_complex_step(how):
 
 
 def test_names_may_come_in_any_order():
+    """Contract: a derivative does not depend on what else is asked for, to the bit."""
     model, loads = FiniteElementModel(), ([[40.0, 10.0]], [[1.0, 2.0, 0.1]])
     names = ["precurvature", "EI", "beam.length", "GA", "head.h", "EA"]
     together = model.sensitivities(names, *loads)
@@ -172,12 +173,14 @@ def test_names_may_come_in_any_order():
     ],
 )
 def test_names_that_cannot_be(names, message):
+    """Contract: the text of the error."""
     with pytest.raises(InputError, match=f"^{message}"):
         FiniteElementModel().sensitivities(names, [[40.0, 10.0]])
 
 
 @every_mesh
 def test_one_mechanism_for_all_rows_is_one_for_each(how):
+    """Contract: two ways to state the same mechanism, to the bit."""
     mechanism = unpack(random_necks(1, seed=7)[0])
     lam, wrench = random_loads(20, seed=8)
     names = ["EA", "clamp_tilt", "EI", "pulley_z"]
@@ -188,7 +191,7 @@ def test_one_mechanism_for_all_rows_is_one_for_each(how):
 
 
 @every_mesh
-def test_rows_without_an_equilibrium_are_nan_and_leave_the_others_alone(how):
+def test_rows_without_an_equilibrium_are_nan(how):
     """Lost rows are nan; an unstable equilibrium has derivatives, the inverse of an indefinite tangent."""
     model, names = FiniteElementModel(Mechanism().replace(g=0.0), **how), ["EA", "length", "precurvature"]
     lam, wrench = random_loads(6, seed=9)
@@ -212,7 +215,7 @@ def test_rows_without_an_equilibrium_are_nan_and_leave_the_others_alone(how):
     assert repr(found) == "Sensitivities(6 cases by EA, length, precurvature; 2 stable)"
 
 
-def test_stragglers_of_the_fast_path_are_those_of_the_general_path():
+def test_stragglers_are_those_of_the_general_path():
     """Loads so large that the fast path vouches for few: poses and derivatives are those of the single solve."""
     model, rng = FiniteElementModel(), np.random.default_rng(10)
     lam, wrench = rng.uniform(0.0, 700.0, (60, 2)), rng.uniform([-600.0, -150.0, -20.0], [40.0, 150.0, 20.0], (60, 3))

@@ -386,7 +386,7 @@ def test_threads_change_nothing(threads):
 
 @pytest.mark.parametrize("mesh", [{}, {"elements": 5, "order": 1}, {"family": "strain"}])
 @pytest.mark.parametrize("one_each", [False, True], ids=["one mechanism", "one each"])
-def test_a_result_that_is_overwritten_keeps_nothing_of_what_was_there(mesh, one_each):
+def test_a_result_that_is_overwritten_keeps_nothing(mesh, one_each):
     """A new result, whatever the old one holds: verdicts of other cases, numbers or none."""
     model, rng = FiniteElementModel(**mesh), np.random.default_rng(7)
     lam = rng.uniform(0.0, [[1.0], [900.0]] * 20, (40, 2))

@@ -79,6 +79,7 @@ def test_each_step_is_the_cold_solution(name, how, loads):
 
 @pytest.mark.parametrize("order", [3, 4, 6])
 def test_every_order_is_its_cold_solution(order):
+    """Another method: the cold solve, to 1e-12, along a path and over jumps."""
     model = FiniteElementModel(PULLEYS, order=order)
     for how in VARIANTS:
         step = model.stepper(WRENCH, tolerance=1e-13, **how)
@@ -88,6 +89,7 @@ def test_every_order_is_its_cold_solution(order):
 
 @every_variant
 def test_the_default_tolerance_is_kept(how):
+    """Another tolerance: solutions to 1e-13, over 4000 steps."""
     model, loads = model_of("condensed"), [*path_of_loads(2000), *jumps(2000)]
     step = model.stepper(**how)
     exact = model.solve_batch(loads, tolerance=1e-13).pose
@@ -138,6 +140,7 @@ def test_after_any_load_the_next_good_one_is_right(name, how):
 @every_model
 @every_variant
 def test_a_wrench_that_cannot_be_gives_a_status(name, how, wrench):
+    """Contract: nan and a status, no exception."""
     step = model_of(name).stepper(wrench, **how)
     for lam in ((40.0, 10.0), (0.0, 0.0), (41.0, 10.0)):
         *pose, status = step(*lam)
@@ -148,12 +151,14 @@ def test_a_wrench_that_cannot_be_gives_a_status(name, how, wrench):
 
 @pytest.mark.parametrize("lam_max", [np.nan, -1.0, np.inf])
 def test_ranges_that_cannot_be(lam_max):
+    """Contract: the text of the error."""
     with pytest.raises(InputError, match=r"^lam_max = .*: allowed is a finite number, 0 or more$"):
         FiniteElementModel().stepper(lam_max=lam_max)
 
 
 @pytest.mark.parametrize("order", [3, 4, 5, 6])
 def test_numbers_of_any_kind_compile_nothing(order):
+    """Contract: one compiled signature, whatever the type of the arguments."""
     model = FiniteElementModel(order=order)
     step, compiled = model.stepper(), compiled_step(order)
     for kind in (float, int, bool, np.float64, np.float32, np.int64, np.int32, np.uint8, np.bool_):
@@ -233,7 +238,8 @@ def test_a_step_asks_for_no_memory(order, how):
 
 @every_model
 @every_variant
-def test_two_threads_with_a_stepper_each_repeat_the_serial_run_bit_for_bit(name, how):
+def test_two_threads_with_a_stepper_each_repeat_the_serial_run(name, how):
+    """Contract: the serial run, bit for bit."""
     model, loads = model_of(name), path_of_loads(4000 if name == "condensed" else 400)
 
     def run(into):
@@ -254,6 +260,7 @@ def test_two_threads_with_a_stepper_each_repeat_the_serial_run_bit_for_bit(name,
 @every_model
 @every_variant
 def test_a_step_outlives_its_model(name, how):
+    """Contract: the stepper keeps what its kernel points to."""
     model, loads = model_of(name), path_of_loads(50)
     expected = [model.stepper(**how)(*lam) for lam in loads[:1]]
     step = model.stepper(**how)
@@ -269,6 +276,7 @@ def test_a_step_outlives_its_model(name, how):
 
 
 def test_steppers_of_one_model_do_not_disturb_each_other():
+    """Contract: the same answers alone and in turn, bit for bit."""
     model = model_of("condensed")
     left, right = model.stepper(), model.stepper(WRENCH, derivatives=True)
     alone = [model.stepper()(*lam) for lam in path_of_loads(1)]

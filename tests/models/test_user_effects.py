@@ -125,11 +125,12 @@ def test_what_cannot_be_an_effect_is_refused(name, enters, law, message):
     ("scale", "value"), [("typical", 0.0), ("typical", np.nan), ("tolerance", -1.0), ("tolerance", np.nan)]
 )
 def test_scales_that_cannot_be_are_refused(scale, value):
+    """Contract: the text of the error."""
     with pytest.raises(ecm.InputError, match=f"{scale} = {value}: allowed is a finite number"):
         ecm.effect("own", unit="-", enters="head", **{"typical": 1.0, "bounds": (-1.0, 1.0), scale: value})(spring)
 
 
-def test_its_tolerance_is_taken_for_granted_as_those_of_the_catalogue_are(add):
+def test_its_tolerance_counts_as_those_of_the_catalogue(add):
     """Two of one law: what is in a build as drawn adds its variance to that of the measured size."""
     add("own_spring", enters="head", typical=0.2)(spring)
     add("drawn_spring", enters="head", typical=0.2, tolerance=0.05)(spring)
