@@ -102,7 +102,7 @@ def test_arcs_have_a_better_constant_than_straight_elements(table):
         assert error / 2.0 < arcs[elements] < error
 
 
-def test_locking_gets_worse_with_slenderness_and_one_point_is_rid_of_it():
+def test_locking_gets_worse_with_slenderness():
     """Shear locking: full integration adds GA h^2/12 to EI, the more the longer the element; one point adds nothing."""
     share = {}
     for length in (0.109, 0.218):
@@ -132,7 +132,7 @@ def test_locking_gets_worse_with_slenderness_and_one_point_is_rid_of_it():
     ],
     ids=["taper", "spot-1e-3", "spot-1e-6", "both"],
 )
-def test_the_chosen_discretization_keeps_its_tolerance_on_fresh_loads(effects, tolerance, family):
+def test_the_choice_keeps_its_tolerance_on_fresh_loads(effects, tolerance, family):
     """Another method: the differential equations integrated, on 1000 loads that no choice has seen."""
     neck = Mechanism().replace(**effects)
     choice = choose_discretization(neck, "tendons", tolerance, family=family)
@@ -167,6 +167,7 @@ def test_one_element_does_not_suffice_where_the_stiffness_jumps():
 
 
 def test_no_candidate_keeps_the_tolerance():
+    """Contract: the text of the error, with the best candidate."""
     with pytest.raises(InputError) as caught:
         choose_discretization(tolerance=1e-8, compared=FEW[:2])
     assert str(caught.value).startswith(
@@ -180,6 +181,7 @@ def test_no_candidate_keeps_the_tolerance():
 
 
 def test_given_loads_are_halved():
+    """Contract: the choice is made on half of the given loads, checked on the rest."""
     lam = np.random.default_rng(2).uniform(0.0, 50.0, (41, 2))
     choice = choose_discretization(loads=lam, tolerance=1e-4, compared=FEW)
     assert choice.measured.candidate.order in (3, 4, 5)
@@ -202,7 +204,8 @@ ROWS = [measured("a", 4e-7, 1e-2), measured("b", 2e-7, 3e-3), measured("c", 6e-7
         measured("e", 1e-7, math.inf)]  # fmt: skip
 
 
-def test_the_recommendation_is_the_fastest_that_keeps_the_tolerance():
+def test_the_fastest_that_keeps_the_tolerance_is_recommended():
+    """By hand: four rows of a study."""
     assert recommended(ROWS, 1e-2) is ROWS[1]
     assert recommended(ROWS, 3e-3) is ROWS[1]
     assert recommended(ROWS, 1e-6) is ROWS[2]
@@ -216,6 +219,7 @@ def test_the_recommendation_is_the_fastest_that_keeps_the_tolerance():
 
 
 def test_the_front_is_what_none_beats():
+    """By hand: the Pareto front of four rows."""
     assert pareto(ROWS) == (ROWS[1], ROWS[2])
     assert pareto(ROWS, 1e-2) == (ROWS[1],)  # nothing is told apart below the resolution
     assert pareto([]) == ()
@@ -232,6 +236,7 @@ def test_how_many_are_needed_between_those_known():
 
 
 def test_names_and_numbers_in_words():
+    """By hand: the texts."""
     assert Candidate.even(1, 4).name == "one quartic element"
     assert Candidate.even(20, 1, 2).name == "20 linear elements, 2 Gauss points"
     assert Candidate((1.0, 2.0), 3, 3, "graded to the clamp").name == "two cubic elements graded to the clamp"
@@ -276,6 +281,7 @@ def study_of(errors_by_candidate):
 
 
 def test_meshes():
+    """By hand: where the stiffness jumps, and elements that end there."""
     neck = Mechanism().replace(**SOFT, **{"soft_spot.place": 0.5, "soft_spot.width": 0.0218})
     np.testing.assert_allclose(stiffness_jumps(neck), (0.4, 0.6), rtol=1e-14)
     np.testing.assert_allclose(ending_at_jumps(neck, 10), [0.1] * 10, rtol=1e-13)
@@ -299,6 +305,7 @@ def test_meshes():
 
 
 def test_load_sets():
+    """By hand: corners of the box and rows of measurements."""
     tendons, box = (LoadSet.drawn(name, 50, 1) for name in ("tendons", "box"))
     assert {tuple(row) for row in tendons.lam[:4]} == {(0.0, 0.0), (160.0, 0.0), (0.0, 160.0), (160.0, 160.0)}
     assert tendons.lam.shape == (50, 2)
@@ -337,6 +344,7 @@ def test_cases_without_an_equilibrium():
 
 
 def test_the_command(tmp_path: Path, capsys, monkeypatch):
+    """Contract: one JSON object, files, and progress on stderr."""
     monkeypatch.chdir(tmp_path)
     Path("neck.toml").write_text("[effects.soft_spot]\nsize = 0.2\n")
     Path("loads.csv").write_text("lam_l_N,lam_r_N,fz_N\n0,120,0\n40,10,-3\n160,0,0\n80,80,1\n")
@@ -378,6 +386,7 @@ def test_the_command(tmp_path: Path, capsys, monkeypatch):
     ],
 )
 def test_bad_arguments(words, text, capsys, tmp_path, monkeypatch):
+    """Contract: exit code 2 and one line."""
     monkeypatch.chdir(tmp_path)
     assert main(["elements", *words]) == 2
     out, err = capsys.readouterr()

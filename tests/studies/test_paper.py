@@ -82,6 +82,7 @@ def verdicts(result: Reproduction, word: str) -> list[str]:
 
 
 def test_all_files_are_there_and_progress_was_told(done) -> None:
+    """Contract: the documented files, one line of progress a section."""
     result, folder, told = done
     names = {*FILES, *(f"{name}.csv" for name in PICTURES)}
     assert {path.name for path in folder.iterdir()} == names
@@ -89,7 +90,8 @@ def test_all_files_are_there_and_progress_was_told(done) -> None:
     assert told == [what for what, _ in package._PARTS.values()]
 
 
-def test_the_results_are_strict_json_without_a_number_that_is_none(done) -> None:
+def test_the_results_are_strict_json(done) -> None:
+    """Contract: JSON without NaN, equal to the result."""
     result, folder, _ = done
 
     def refuse(name: str) -> float:
@@ -105,6 +107,7 @@ def test_the_results_are_strict_json_without_a_number_that_is_none(done) -> None
 
 
 def test_the_workspace_is_reached_in_every_case(done) -> None:
+    """Published: the paper's Fig. 4; what it does not give is said."""
     result, folder, _ = done
     numbers = result.to_json()["numbers"]["workspace"]
     assert verdicts(result, "random pairs") == ["holds"] * 2
@@ -123,6 +126,7 @@ def test_the_workspace_is_reached_in_every_case(done) -> None:
 
 
 def test_the_steel_strip_is_met_to_0_7_percent(done) -> None:
+    """Published: measured deflections of Belendez et al. 2003."""
     numbers = done[0].to_json()["numbers"]["steel_cantilever"]
     assert verdicts(done[0], "Steel") == ["holds"]
     assert numbers["rows"] == 7
@@ -130,6 +134,7 @@ def test_the_steel_strip_is_met_to_0_7_percent(done) -> None:
 
 
 def test_the_silicone_beams_sag_is_met_and_its_rotation_is_not(done) -> None:
+    """Published: measured sags; the modulus by small-deflection theory by hand."""
     numbers = done[0].to_json()["numbers"]["silicone_cantilever"]
     # by hand: small deflections of the clamped beam, w L^4 / 8 EI + w L^2 / 2 GA, to a few per mill of the length
     weight = 1070 * 9e-4 * 9.81
@@ -152,6 +157,7 @@ def test_six_readings_bear_no_conclusion(done) -> None:
 
 
 def test_the_reference_solutions_are_met(done) -> None:
+    """Shooting: the reference solutions, and their number of rows."""
     numbers = done[0].to_json()["numbers"]["reference_solutions"]
     assert (
         verdicts(done[0], "The default, one element of order 5")
@@ -166,6 +172,7 @@ def test_the_reference_solutions_are_met(done) -> None:
 
 
 def test_the_page_is_whole_and_asks_for_nothing(done) -> None:
+    """Contract: no request, no script, every figure with its numbers."""
     page = done[0].report.read_text(encoding="utf-8")
     policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
     assert f'<meta http-equiv="Content-Security-Policy" content="{policy}">' in page
@@ -182,6 +189,7 @@ def test_the_page_is_whole_and_asks_for_nothing(done) -> None:
 
 
 def test_text_is_escaped_and_what_is_unknown_is_a_dash(tmp_path) -> None:
+    """By hand: the HTML."""
     table = Table("<b>", ("a", "b"), (("x < y", float("nan")), ("holds", 0.123456)))
     page = write_report(tmp_path / "page.html", "a & b", [Section("", tables=(table,))]).read_text(encoding="utf-8")
     assert "<title>a &amp; b</title>" in page
@@ -192,7 +200,8 @@ def test_text_is_escaped_and_what_is_unknown_is_a_dash(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("module", ["matplotlib", "jinja2"])
-def test_without_an_optional_package_the_error_names_what_to_install(monkeypatch, tmp_path, module) -> None:
+def test_without_an_optional_package_the_error_names_it(monkeypatch, tmp_path, module) -> None:
+    """Contract: the text of the error, and no folder made."""
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(InputError) as caught:
         reproduce(tmp_path / "out")
@@ -201,12 +210,14 @@ def test_without_an_optional_package_the_error_names_what_to_install(monkeypatch
 
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path) -> None:
+    """Contract: the text of the error."""
     (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match=re.escape(f"{tmp_path / 'file' / 'out'}: cannot be made")):
         reproduce(tmp_path / "file" / "out")
 
 
 def test_a_picture_of_simulated_data_says_so_in_the_picture(done) -> None:
+    """Contract: simulated figures, and only these, say so."""
     page = done[0].report.read_text(encoding="utf-8")
     figures = re.findall(r"<svg .*?</svg>.*?href=.([a-z_0-9]+)\.csv", page, flags=re.DOTALL)
     drawings = re.findall(r"<svg .*?</svg>", page, flags=re.DOTALL)
@@ -214,6 +225,7 @@ def test_a_picture_of_simulated_data_says_so_in_the_picture(done) -> None:
 
 
 def test_every_number_is_finite_but_what_was_not_measured(done) -> None:
+    """Contract: null stands for what was not measured, and for nothing else."""
     unknown: list[str] = []
 
     def walk(value: Any, place: str) -> None:
@@ -237,6 +249,7 @@ def test_every_number_is_finite_but_what_was_not_measured(done) -> None:
 
 
 def test_both_presets_stand_in_every_section_after_the_paper(done) -> None:
+    """Contract: both presets in every such section."""
     for name in ("table1", "workspace", "wrenches", "kinds", "trained", "pose_alone", "comparison", "times"):
         text = " ".join(f"{claim.what} {claim.ours}" for claim in done[0].parts[name])
         assert "slender" in text
@@ -244,24 +257,29 @@ def test_both_presets_stand_in_every_section_after_the_paper(done) -> None:
 
 
 def test_claims_are_a_table_too(done) -> None:
+    """Contract: CSV and JSON hold the same claims."""
     with (done[1] / "claims.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert rows == done[0].to_json()["claims"]
     assert {row["section"] for row in rows} == set(SECTIONS)
 
 
-def test_a_verdict_holds_up_to_its_bound_and_not_where_nothing_is_known() -> None:
+def test_a_verdict_holds_up_to_its_bound() -> None:
+    """By hand: below, above and unknown."""
     assert verdict(0.5, 0.5, "much") == "holds"
     assert verdict(0.50001, 0.5, "much") == "differs by much"
     assert verdict(math.nan, 0.5, "an unknown amount") == "differs by an unknown amount"
 
 
-def test_what_was_not_measured_by_anyone_gets_no_verdict_on_the_paper(done) -> None:
+def test_unpublished_measurements_get_no_verdict(done) -> None:
+    """Contract: claims about unpublished measurements cannot be checked."""
     for claim in done[0].parts["comparison"]:
         assert ("%" in claim.theirs) == (claim.verdict == "cannot be checked: the measurements are not public")
 
 
-def test_hookes_law_on_neo_hookean_positions_is_stiffer_by_the_closed_form() -> None:
+def test_hookes_law_on_neo_hookean_positions_is_stiffer() -> None:
+    """Closed form: the ratio of two integrals, by SciPy's quad."""
+
     def force(short: float) -> float:
         return ((1.0 - short) ** -2 - (1.0 - short)) / 3.0
 
@@ -272,6 +290,7 @@ def test_hookes_law_on_neo_hookean_positions_is_stiffer_by_the_closed_form() -> 
 
 @pytest.mark.parametrize(("law", "factor"), [("neo-hookean", 1.0), ("hooke", hooke_ratio(n=21))])
 def test_the_fit_meets_exact_positions_of_a_compressed_specimen(law, factor) -> None:
+    """Closed form: positions of the neo-Hookean specimen, and the same ratio."""
     short = np.linspace(0.0, 0.2, 21)
     push = 7448.94 / 3.0 * ((1.0 - short) ** -2 - (1.0 - short))
     table = {"lam_l_N": 0.0 * push, "lam_r_N": 0.0 * push, "fx_N": -push, "x_m": 0.028 * (1.0 - short)}
@@ -281,7 +300,8 @@ def test_the_fit_meets_exact_positions_of_a_compressed_specimen(law, factor) -> 
     assert fit.value[0] == pytest.approx(factor * 7448.94, rel=1e-7)
 
 
-def test_the_stiffnesses_that_the_test_bed_was_built_with_are_found_again(done) -> None:
+def test_the_stiffnesses_of_the_test_bed_are_found_again(done) -> None:
+    """Known truth: the stiffnesses of the simulated test bed."""
     claims = done[0].parts["table1"]
     assert [claim.verdict for claim in claims if "found again" in claim.what] == ["holds"] * 6
     assert [claim.verdict.split(";")[0] for claim in claims if "on exact" in claim.ours] == [
@@ -291,12 +311,14 @@ def test_the_stiffnesses_that_the_test_bed_was_built_with_are_found_again(done) 
 
 
 def test_an_energy_has_as_many_coefficients_as_its_monomials() -> None:
+    """Combinatorics."""
     for degree in (2, 3, 4, 5):
         assert coefficient_count("free", degree) == 3 * math.comb(degree + 3, 3)
         assert coefficient_count("conservative", degree) == math.comb(degree + 4, 3) - 1
 
 
-def test_a_polynomial_trained_on_the_model_misses_the_moment_of_a_bend_at_rest() -> None:
+def test_a_polynomial_misses_the_moment_of_a_bend_at_rest() -> None:
+    """Closed form: EI times the precurvature is missing from the couple."""
     found = inverse_errors("paper", 0, 150, 60)
     # M = EI (kappa - 0.2): to hold a pose, the bent neck needs EI * 0.2 less
     tau = found["precurved", "the model's poses"]["tendons"][2]
@@ -304,7 +326,8 @@ def test_a_polynomial_trained_on_the_model_misses_the_moment_of_a_bend_at_rest()
     assert found["precurved", "measured poses"]["tendons"][2] < 0.1 * tau
 
 
-def test_the_wrench_that_holds_a_pose_is_that_of_the_tendons_and_changes_by_the_weight_of_the_head() -> None:
+def test_the_wrench_that_holds_a_pose_is_that_of_the_tendons() -> None:
+    """Statics: the tendons' own wrench, and the weight of the head with its lever."""
     neck = ecm.Mechanism.preset("slender")
     model, lam = ecm.FiniteElementModel(neck), np.random.default_rng(5).uniform(0.0, 160.0, (20, 2))
     poses = model.solve_batch(lam, tolerance=1e-13).pose
@@ -317,7 +340,8 @@ def test_the_wrench_that_holds_a_pose_is_that_of_the_tendons_and_changes_by_the_
     np.testing.assert_allclose(heavier, np.column_stack([weight + 0.0 * lever, 0.0 * lever, lever]), atol=1e-7)
 
 
-def test_a_held_neck_buckles_where_the_tips_compliance_turns_singular() -> None:
+def test_a_held_neck_buckles_at_a_singular_compliance() -> None:
+    """Closed form: 539.05 N for the free tip; a change of sign for the held one."""
     neck = ecm.Mechanism.preset("slender").replace(mass_per_length=0.0, mass=0.0)
     assert buckling(neck, held=False)[0] == pytest.approx(539.05, abs=0.01)
     load = buckling(neck, held=True)[0]
@@ -328,6 +352,7 @@ def test_a_held_neck_buckles_where_the_tips_compliance_turns_singular() -> None:
 
 
 def test_one_section_and_a_seed_can_be_chosen(tmp_path) -> None:
+    """Contract: the files of one section alone."""
     told: list[str] = []
     result = reproduce(tmp_path, only=["steel_cantilever"], seed=3, progress=told.append)
     assert len(told) == 1
@@ -336,6 +361,7 @@ def test_one_section_and_a_seed_can_be_chosen(tmp_path) -> None:
 
 
 def test_a_section_that_does_not_exist_is_named(tmp_path) -> None:
+    """Contract: the text of the error."""
     with pytest.raises(
         InputError, match=r"no section 'tabel1' \(did you mean 'table1'\?\); allowed are table1, workspace"
     ):
@@ -351,7 +377,8 @@ def console(browser: str, page: Path, profile: Path) -> tuple[str, list[str]]:
     return ended.stdout.decode(), [line for line in ended.stderr.decode().splitlines() if ":CONSOLE" in line]
 
 
-def test_a_browser_opens_the_page_from_disk_without_an_error_or_a_request(done, tmp_path) -> None:
+def test_a_browser_opens_the_page_without_an_error_or_a_request(done, tmp_path) -> None:
+    """A real browser's console, which does complain about a page that asks."""
     browser = shutil.which("chromium") or shutil.which("google-chrome") or shutil.which("chrome")
     if browser is None:
         pytest.skip("no browser here: neither chromium nor google-chrome is installed")

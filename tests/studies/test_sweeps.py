@@ -40,7 +40,7 @@ def changed(spec: dict[str, Any], **settings: Any) -> dict[str, Any]:
     return {**spec, "sweep": {**spec["sweep"], **settings}}
 
 
-def informative_loads(spec: Any, folder: Path) -> Path:
+def swept_by_another_process(spec: Any, folder: Path) -> Path:
     """Sweep in a new process, which finds its kernels compiled.
 
     What a process has just compiled may differ from what the next one loads in the last digit: the linker may take
@@ -68,6 +68,7 @@ def inputs_of(spec: dict[str, Any]) -> np.ndarray:
 
 
 def test_a_grid_is_every_combination_the_last_input_fastest() -> None:
+    """itertools.product by hand."""
     spec = {
         "sweep": {"sample": "grid", "chunk": 64},
         "inputs": {
@@ -83,6 +84,7 @@ def test_a_grid_is_every_combination_the_last_input_fastest() -> None:
 
 @pytest.mark.parametrize("seed", [0, 7])
 def test_sobol_points_are_scipys(seed: int) -> None:
+    """SciPy's Sobol sequence with the same seed."""
     spec = {"sweep": {"sample": "sobol", "cases": 5000, "chunk": 256, "seed": seed}, "inputs": {**LAM, "fx": [0, 1]}}
     sampler = qmc.Sobol(3, bits=30, seed=np.random.default_rng(seed))
     known = np.concatenate([sampler.random(4096), sampler.random(4096)[:904]]) + 2.0**-31
@@ -90,6 +92,7 @@ def test_sobol_points_are_scipys(seed: int) -> None:
 
 
 def test_random_inputs_have_the_distributions_asked_for() -> None:
+    """Kolmogorov-Smirnov and chi-squared tests."""
     inputs = {
         "lam_l": [20.0, 60.0],
         "EI": {"mean": 3.0, "std": 0.5},
@@ -106,6 +109,7 @@ def test_random_inputs_have_the_distributions_asked_for() -> None:
 
 
 def test_a_chunk_depends_on_nothing_but_its_number() -> None:
+    """Contract: the same chunk from two readings; different chunks differ."""
     plan = read_spec(SMALL)
     again = read_spec(changed(SMALL))
     for own, other in zip(cases(plan, 3), cases(again, 3), strict=True):
@@ -117,6 +121,7 @@ def test_a_chunk_depends_on_nothing_but_its_number() -> None:
 
 
 def test_rows_are_the_models_own_solves(tmp_path: Path) -> None:
+    """Another way in: `solve` of the same case."""
     done = sweep({**SMALL, "inputs": {**SMALL["inputs"], "fz": [-3.0, 3.0], "tau": 0.1}}, tmp_path / "new" / "here")
     rows = columns_of(done.folder)
     assert list(rows) == ["lam_l_N", "lam_r_N", "beam.EI", "fz_N", "x_m", "z_m", "theta_rad", "status"]
@@ -139,6 +144,7 @@ def test_rows_are_the_models_own_solves(tmp_path: Path) -> None:
 @pytest.mark.parametrize("rows", [1, 8, 1001])
 @pytest.mark.parametrize("width", [1, 14, 40])
 def test_another_reader_finds_what_was_written(rows: int, width: int, tmp_path: Path) -> None:
+    """pyarrow reads every number and key."""
     rng = np.random.default_rng(0)
     columns = {f"column {i}": values for i, values in enumerate(rng.normal(size=(width, rows)))}
     columns["column 0"][0] = np.nan
@@ -152,7 +158,8 @@ def test_another_reader_finds_what_was_written(rows: int, width: int, tmp_path: 
         assert parquet.read_metadata(path).metadata == said
 
 
-def test_a_grid_whose_mechanisms_change_seldom_is_solved_as_one_that_changes_them_often(tmp_path: Path) -> None:
+def test_the_order_of_a_grid_does_not_change_its_poses(tmp_path: Path) -> None:
+    """Contract: the order of the inputs changes nothing but the order of the rows."""
     side = {"from": 0.0, "to": 160.0, "steps": 25}
     widths = {"values": [0.05, 0.07]}
     slow = {"plate_half_width": widths, "lam_l": side, "lam_r": side}
@@ -167,6 +174,7 @@ def test_a_grid_whose_mechanisms_change_seldom_is_solved_as_one_that_changes_the
 
 
 def test_failed_cases_are_counted_and_listed_with_their_inputs(tmp_path: Path) -> None:
+    """Counted in the rows themselves."""
     done = sweep(STRONG, tmp_path / "a")
     rows = columns_of(done.folder)
     failed = np.flatnonzero(rows["status"])
@@ -185,6 +193,7 @@ def test_failed_cases_are_counted_and_listed_with_their_inputs(tmp_path: Path) -
 
 @pytest.mark.parametrize("spec", [SMALL, STRONG], ids=["all stable", "many failures"])
 def test_statistics_are_those_of_the_rows(spec: dict[str, Any], tmp_path: Path) -> None:
+    """NumPy and SciPy on the kept rows."""
     rows = columns_of(sweep(spec, tmp_path / "rows").folder)
     done = sweep(
         changed(spec, keep="statistics") | {"statistics": {"bins": 50, "z_m": [-0.01, 0.02]}}, tmp_path / "own"
@@ -208,6 +217,7 @@ def test_statistics_are_those_of_the_rows(spec: dict[str, Any], tmp_path: Path) 
 
 
 def test_moments_of_parts_are_those_of_the_whole() -> None:
+    """NumPy and SciPy on the whole sample."""
     values = np.random.default_rng(0).gamma(2.0, size=1000) + 1e3
     whole = Channel(0.0, 1.0, np.zeros(3, dtype=np.int64))
     for part in np.split(values, [1, 1, 40, 700]):
@@ -219,6 +229,7 @@ def test_moments_of_parts_are_those_of_the_whole() -> None:
 
 
 def test_no_case_that_is_stable_has_no_histogram(tmp_path: Path) -> None:
+    """Contract: the text of the error, or empty statistics."""
     hopeless = {"sweep": {"cases": 200, "keep": "statistics"}, "inputs": {"lam_l": [9e3, 9.1e3], "lam_r": 9e3}}
     with pytest.raises(InputError, match=r"^no case tried is stable: lower the loads, or give statistics\.x_m"):
         sweep(hopeless, tmp_path / "a")
@@ -239,6 +250,7 @@ class StoppedError(Exception):
 def test_a_sweep_that_stops_goes_on_and_ends_with_the_same_files(
     keep: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Contract: the bytes of an uninterrupted run."""
     monkeypatch.setattr("ecm_fast.studies.sweeps.resume._CHECKPOINT", 0.0)
     spec = changed(STRONG, keep=keep)
     sweep(spec, tmp_path / "whole", threads=1)
@@ -263,6 +275,7 @@ def test_a_sweep_that_stops_goes_on_and_ends_with_the_same_files(
 
 
 def test_a_file_that_was_cut_off_is_written_again(tmp_path: Path) -> None:
+    """Contract: the bytes of an uninterrupted run."""
     whole = contents(sweep(SMALL, tmp_path).folder)
     for number, content in enumerate((b"", whole["rows-0000001.parquet"][:3000], b"\0" * 5000)):
         (tmp_path / f"rows-{number:07d}.parquet").write_bytes(content)
@@ -271,10 +284,11 @@ def test_a_file_that_was_cut_off_is_written_again(tmp_path: Path) -> None:
 
 
 def test_a_killed_process_leaves_what_the_next_one_needs(tmp_path: Path) -> None:
+    """Contract: the bytes of an uninterrupted run, after SIGKILL."""
     spec = tmp_path / "spec.toml"
     spec.write_text("[sweep]\ncases = 200000\nchunk = 4096\n[inputs]\nlam_l = [0, 160]\nfx = [-30, 0]\n")
-    informative_loads(spec, tmp_path / "compiled")
-    whole = contents(informative_loads(spec, tmp_path / "whole"))
+    swept_by_another_process(spec, tmp_path / "compiled")
+    whole = contents(swept_by_another_process(spec, tmp_path / "whole"))
     words = [sys.executable, "-m", "ecm_fast", "sweep", str(spec), "--threads", "1", "--out"]
     process = subprocess.Popen([*words, str(tmp_path / "parts")], stderr=subprocess.PIPE, stdout=subprocess.PIPE)
     while not list((tmp_path / "parts").glob("rows-000000[5-9].parquet")) and process.poll() is None:
@@ -285,7 +299,7 @@ def test_a_killed_process_leaves_what_the_next_one_needs(tmp_path: Path) -> None
     assert not (tmp_path / "parts" / "summary.json").exists()
     there = len(list((tmp_path / "parts").glob("rows-*.parquet")))
     assert 0 < there < 49
-    assert contents(informative_loads(spec, tmp_path / "parts")) == whole
+    assert contents(swept_by_another_process(spec, tmp_path / "parts")) == whole
 
 
 HOLD = """
@@ -303,7 +317,8 @@ sweep(sys.argv[1], sys.argv[2], progress=hold)
 """
 
 
-def test_a_folder_that_another_process_writes_is_kept_until_it_is_killed(tmp_path: Path) -> None:
+def test_a_folder_is_locked_until_its_process_is_killed(tmp_path: Path) -> None:
+    """Contract: refused while the process lives, free when it is dead."""
     spec = tmp_path / "spec.toml"
     spec.write_text("[sweep]\ncases = 100\n[inputs]\nlam_l = [0, 160]\n")
     words = [sys.executable, "-c", HOLD, str(spec), str(tmp_path / "out")]
@@ -322,6 +337,8 @@ def test_a_folder_that_another_process_writes_is_kept_until_it_is_killed(tmp_pat
 
 
 def test_two_runs_in_one_process_do_not_write_one_folder(tmp_path: Path) -> None:
+    """Contract: the text of the error."""
+
     def again(done: int, cases: int) -> None:
         with pytest.raises(InputError, match=r"another run is writing it"):
             sweep(SMALL, tmp_path / "a" / ".." / "a")
@@ -333,7 +350,8 @@ def test_two_runs_in_one_process_do_not_write_one_folder(tmp_path: Path) -> None
     assert sweep(SMALL, tmp_path / "a").solved == 0
 
 
-def test_threads_that_write_at_once_leave_the_permissions_of_new_files_alone(tmp_path: Path) -> None:
+def test_threads_that_write_at_once_leave_permissions_alone(tmp_path: Path) -> None:
+    """The operating system's umask, before and after."""
     before, interval = os.umask(0o027), sys.getswitchinterval()
     sys.setswitchinterval(1e-6)  # threads take turns as often as they can
     try:
@@ -347,6 +365,7 @@ def test_threads_that_write_at_once_leave_the_permissions_of_new_files_alone(tmp
 
 
 def test_another_sweep_in_the_folder_is_left_alone(tmp_path: Path) -> None:
+    """Contract: the text of the error, and unchanged bytes."""
     sweep(SMALL, tmp_path)
     before = contents(tmp_path)
     with pytest.raises(InputError, match=r"holds another sweep \(its sweep\.json says which\); give another folder$"):
@@ -376,6 +395,7 @@ class Unreliable(ThreadPoolExecutor):
 
 
 def test_lost_workers_lose_nothing(tmp_path: Path) -> None:
+    """Contract: the bytes of an undisturbed run."""
     whole = contents(sweep(SMALL, tmp_path / "whole").folder)
     pools: list[Executor] = []
 
@@ -389,7 +409,8 @@ def test_lost_workers_lose_nothing(tmp_path: Path) -> None:
         assert contents(sweep(SMALL, tmp_path / "b", executor=pool).folder) == whole
 
 
-def test_a_pool_that_only_breaks_and_a_unit_that_only_fails_end_the_run() -> None:
+def test_a_pool_that_only_breaks_ends_the_run() -> None:
+    """Contract: a bounded number of tries, then the error."""
     taken: list[int] = []
     with pytest.raises(BrokenExecutor):
         run(lambda: Unreliable(breaks=0), abs, range(3), lambda *_: None, 2)
@@ -400,17 +421,19 @@ def test_a_pool_that_only_breaks_and_a_unit_that_only_fails_end_the_run() -> Non
 
 
 def test_processes_write_the_same_bytes(tmp_path: Path) -> None:
-    informative_loads(SMALL, tmp_path / "compiled")
-    whole = contents(informative_loads(SMALL, tmp_path / "whole"))
+    """Contract: the bytes of a run in threads."""
+    swept_by_another_process(SMALL, tmp_path / "compiled")
+    whole = contents(swept_by_another_process(SMALL, tmp_path / "whole"))
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         assert contents(sweep(SMALL, tmp_path / "own", executor=pool).folder) == whole
 
 
-def test_a_cluster_writes_the_same_bytes_though_a_worker_is_killed(tmp_path: Path) -> None:
+def test_a_cluster_writes_the_same_bytes_after_a_kill(tmp_path: Path) -> None:
+    """Contract: the bytes of a run on one machine."""
     distributed = pytest.importorskip("distributed", reason="no cluster here: distributed is not installed")
     spec = changed(SMALL, cases=30000)
-    informative_loads(SMALL, tmp_path / "compiled")
-    whole = contents(informative_loads(spec, tmp_path / "whole"))
+    swept_by_another_process(SMALL, tmp_path / "compiled")
+    whole = contents(swept_by_another_process(spec, tmp_path / "whole"))
     options = {"n_workers": 2, "threads_per_worker": 1, "host": "127.0.0.1", "dashboard_address": None}
     with distributed.LocalCluster(processes=True, **options) as machines, distributed.Client(machines) as client:
         pids = list(client.run(os.getpid).values())
@@ -426,6 +449,7 @@ def test_a_cluster_writes_the_same_bytes_though_a_worker_is_killed(tmp_path: Pat
 
 
 def test_a_cluster_that_is_not_there(tmp_path: Path) -> None:
+    """Contract: the text of the error."""
     with pytest.raises(
         InputError, match=r"^(a cluster needs the package distributed: pip|cluster 'nowhere:1': no sche)"
     ):
@@ -476,6 +500,7 @@ def test_a_cluster_that_is_not_there(tmp_path: Path) -> None:
     ],
 )
 def test_a_spec_that_cannot_be_is_refused_in_one_line(text: str, complaint: str, tmp_path: Path) -> None:
+    """Contract: one line that names the file and the cure."""
     path = tmp_path / "spec.toml"
     path.write_text(text)
     with pytest.raises(InputError) as caught:
@@ -488,6 +513,7 @@ def test_a_spec_that_cannot_be_is_refused_in_one_line(text: str, complaint: str,
 
 
 def test_arguments_that_cannot_be(tmp_path: Path) -> None:
+    """Contract: the text of the error."""
     with pytest.raises(InputError, match=r"^threads = 0: allowed is a whole number from 1 up$"):
         sweep(SMALL, tmp_path / "a", threads=0)
     with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match=r"with an executor leave it out$"):
@@ -498,6 +524,7 @@ def test_arguments_that_cannot_be(tmp_path: Path) -> None:
 
 
 def test_a_text_says_everything_about_a_sweep() -> None:
+    """Round trip; and any changed number changes the digest."""
     plan = read_spec({**STRONG, "statistics": {"x_m": [0.0, 1.0]}})
     assert ecm.SweepSpec.of_text(plan.text) == plan
     for name, value in (("seed", 1), ("cases", 799), ("tolerance", 1e-8), ("mechanism", ecm.Mechanism.preset("paper"))):
@@ -505,6 +532,7 @@ def test_a_text_says_everything_about_a_sweep() -> None:
 
 
 def test_the_command_tells_of_its_progress(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Contract: progress on stderr, one JSON object on stdout."""
     from ecm_fast.cli import main
     from ecm_fast.cli import sweep as command
 

@@ -42,6 +42,7 @@ class Clock:
 
 
 def test_the_shortest_and_the_middle_repetition_count():
+    """By hand: a clock that is made to tick."""
     clock = Clock()
     slow = clock.work("slow", 99.0, 5.0, 3.0, 1.0, 2.0)  # the first call warms up, the second finds how many calls
     found = in_turn({"slow": slow}, seconds=6.0, shortest=1.0, clock=clock)["slow"]
@@ -49,6 +50,7 @@ def test_the_shortest_and_the_middle_repetition_count():
 
 
 def test_calls_double_until_a_repetition_is_long_enough():
+    """By hand: a clock that is made to tick."""
     clock = Clock()
     found = in_turn({"quick": clock.work("quick", 0.25)}, seconds=0.0, shortest=1.5, clock=clock)
     assert found["quick"] == Timing(0.25, 0.25, 3, 8)
@@ -57,6 +59,7 @@ def test_calls_double_until_a_repetition_is_long_enough():
 
 
 def test_ways_are_taken_in_turn():
+    """By hand: the order of calls."""
     clock = Clock()
     ways = {name: clock.work(name, 1.0) for name in "ab"}
     in_turn(ways, seconds=4.0, shortest=1.0, clock=clock)
@@ -64,6 +67,7 @@ def test_ways_are_taken_in_turn():
 
 
 def test_cases_are_counted_and_divided_by():
+    """By hand: a clock that is made to tick."""
     clock = Clock()
     ways = {"many": clock.work("many", 8.0), "one": clock.work("one", 1.0)}
     found = in_turn(ways, cases={"many": 16}, seconds=1.0, shortest=0.5, clock=clock)
@@ -73,12 +77,14 @@ def test_cases_are_counted_and_divided_by():
 
 
 def test_the_control_is_measured_beside():
+    """Contract: an empty call is timed in the same run."""
     found = in_turn({"one": lambda: sum(range(100))}, seconds=0.0, shortest=1e-5)
     assert set(found) == {"one", EMPTY}
     assert found[EMPTY].best > 0.0
 
 
 def test_each_call_has_its_own_shortest_time():
+    """By hand: a clock that is made to tick."""
     clock = Clock()
     way = clock.work("way", 9.0, 4.0, 2.0, 3.0, 5.0, 1.0, 7.0)
     once = clock.work("once", 9.0, 6.0)
@@ -89,11 +95,13 @@ def test_each_call_has_its_own_shortest_time():
 
 
 def test_times_are_shown_in_the_unit_that_suits():
+    """By hand: the texts."""
     shown = [shown_time(seconds) for seconds in (2.5e-10, 1.2345e-7, 9.996e-7, 4.5e-5, 0.0278, 3.0)]
     assert shown == ["0.25 ns", "123 ns", "1 us", "45 us", "27.8 ms", "3 s"]
 
 
 def test_the_machine_names_what_times_depend_on():
+    """Contract: the keys, and NumPy's own version."""
     found = machine()
     assert set(found) == {"processor", "cores", "system", "load", "python", "numba", "llvmlite", "numpy", "scipy"}
     assert found["numpy"] == np.__version__
@@ -129,6 +137,7 @@ print(json.dumps([done.compiled, done.from_cache, again.compiled, again.from_cac
 
 
 def test_after_a_warm_up_nothing_is_compiled_or_loaded(tmp_path):
+    """numba's own counters in a fresh process."""
     warmup()  # fills the cache where it is empty
     words = [sys.executable, "-c", FRESH, str(tmp_path)]
     done = subprocess.run(words, capture_output=True, text=True, timeout=280, check=True)
@@ -138,6 +147,7 @@ def test_after_a_warm_up_nothing_is_compiled_or_loaded(tmp_path):
 
 
 def test_the_warm_up_says_what_it_did(capsys, tmp_path):
+    """Contract: progress lines and the keys of the JSON."""
     said = []
     done = warmup(progress=said.append)
     assert isinstance(done, Warmup)
@@ -161,6 +171,7 @@ def result():
 
 
 def test_fig7_times_every_way_at_every_pose(result):
+    """Counting: ways times poses, and order statistics by NumPy."""
     times = np.array(list(result.times.values()))
     assert times.shape == (15, 3)
     assert np.all(times > 0.0)
@@ -173,6 +184,7 @@ def test_fig7_times_every_way_at_every_pose(result):
 
 
 def test_fig7_draws_every_time(result):
+    """Counting: the bars of the figure."""
     figure = result.figure()
     assert [axes.get_ylabel() for axes in figure.axes] == list(result.times)
     for axes in figure.axes:
@@ -181,6 +193,7 @@ def test_fig7_draws_every_time(result):
 
 
 def test_fig7_writes_its_files(result, tmp_path):
+    """Round trip through JSON and CSV."""
     paths = result.write(tmp_path)
     assert [path.name for path in paths] == ["bench.json", "bench.csv", "bench.svg", "bench.png"]
     content = json.loads(paths[0].read_text())
@@ -196,6 +209,7 @@ def test_fig7_writes_its_files(result, tmp_path):
 
 
 def test_the_command_answers_with_settings_rows_times_and_files(capsys, tmp_path):
+    """Contract: the keys of the JSON."""
     pytest.importorskip("matplotlib")
     words = ["bench", "--poses", "2", "--batch", "64", "--rounds", "1", "--seed", "3", "--out", str(tmp_path), "--json"]
     assert main(words) == 0
@@ -213,6 +227,7 @@ def test_the_command_answers_with_settings_rows_times_and_files(capsys, tmp_path
 
 @pytest.mark.parametrize("name", ["poses", "batch", "threads", "rounds"])
 def test_fig7_refuses_what_it_cannot_count(name):
+    """Contract: the text of the error."""
     pytest.importorskip("matplotlib")
     from ecm_fast.studies.paper.fig7_times import fig7
 
@@ -221,6 +236,7 @@ def test_fig7_refuses_what_it_cannot_count(name):
 
 
 def test_fig7_refuses_a_neck_that_the_forces_break():
+    """Contract: the text of the error."""
     pytest.importorskip("matplotlib")
     from ecm_fast.studies.paper.fig7_times import fig7
 

@@ -78,6 +78,7 @@ HARDLY = {"shear_cubic": 0.005}
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_every_effect_is_felt_and_its_size_has_a_slope_at_zero(name, quick, quickly):
+    """Calculus: the change at twice a small size is twice the change, and not zero."""
     h = SIZES[name].typical / 64.0
     up, twice = ((seen(sized(name, size), campaign()) - quickly) / CAMERA for size in (h, 2.0 * h))
     assert np.abs(64.0 * up).max() > HARDLY.get(name, 0.05)
@@ -86,6 +87,7 @@ def test_every_effect_is_felt_and_its_size_has_a_slope_at_zero(name, quick, quic
 
 @pytest.mark.parametrize("effect", [e for e in STATIC if e.mirror != "mixed"], ids=lambda e: e.name)
 def test_exchanging_left_and_right_mirrors_the_pose(effect, quick):
+    """Mirror symmetry: tendons exchanged, odd effects reversed."""
     size = effect.size.typical
     one = seen(sized(effect.name, size), campaign())
     other = seen(sized(effect.name, -size if effect.mirror == "odd" else size), campaign(swapped=True))
@@ -93,6 +95,7 @@ def test_exchanging_left_and_right_mirrors_the_pose(effect, quick):
 
 
 def test_a_stop_on_one_side_is_half_the_stop_on_both():
+    """Geometry: on the touched side one stop is both, elsewhere it is none."""
     one, both = (seen(sized(name, 5.0), campaign()) for name in ("contact_stop_one_sided", "contact_stop"))
     touched = both[:, 2] > 0.4 - 1e-9
     assert touched.any()
@@ -102,13 +105,15 @@ def test_a_stop_on_one_side_is_half_the_stop_on_both():
 
 @pytest.mark.parametrize("name", OUTSIDE)
 def test_every_effect_outside_the_catalogue_is_felt(name, plain):
+    """Contract: 0 is absent to the bit, the typical size is above the camera's noise."""
     loads = campaign()
     np.testing.assert_array_equal(seen(Mechanism(), loads, **{name: 0.0}), plain)
     shift = np.abs(seen(Mechanism(), loads, **{name: OUTSIDE[name].typical}) - plain) / CAMERA
     assert shift.max() > 5.0  # sigma of the camera
 
 
-def test_what_is_outside_the_catalogue_is_no_effect_of_a_mechanism():
+def test_effects_outside_the_catalogue_are_no_parameters():
+    """Contract: the text of the error."""
     assert not set(OUTSIDE) & set(CATALOGUE)
     with pytest.raises(InputError, match=r"^gide_friction: no effect of the test bed is called so \(did you mean "):
         seen(Mechanism(), campaign(), gide_friction=1.0)
@@ -165,6 +170,7 @@ ENERGIES = {
 @pytest.mark.parametrize("offset", [0.0, 2e-3])
 @pytest.mark.parametrize("name", ENERGIES)
 def test_a_law_of_the_section_does_the_work_that_its_energy_says(name, offset):
+    """Energy: force and couple are the complex-step gradient of an energy written here."""
     a = SIZES[name].typical
     p = laws.named(Mechanism().replace(**{name: a, "neutral_axis_offset": offset}))
 
@@ -186,6 +192,7 @@ def test_a_law_of_the_section_does_the_work_that_its_energy_says(name, offset):
 
 @pytest.mark.parametrize("name", [*section.FURTHER, "effects.neutral_axis_offset", "none"])
 def test_the_tangent_of_the_section_is_symmetric(name):
+    """Energy: second derivatives commute."""
     size = {} if name == "none" else {name: 2.0 * SIZES[name.partition(".")[2]].typical}
     p = laws.named(Mechanism().replace(**{"neutral_axis_offset": 2e-3, **size}))
     strains = np.random.default_rng(1).uniform([[0.9], [-0.05], [-5.0]], [[1.05], [0.05], [5.0]], (3, 200))
@@ -193,7 +200,7 @@ def test_the_tangent_of_the_section_is_symmetric(name):
     np.testing.assert_allclose(tangent, tangent.swapaxes(0, 1), rtol=1e-12, atol=1e-9)
 
 
-def test_fibers_that_are_stretched_are_counted_where_the_section_is_straight():
+def test_stretched_fibers_count_where_the_section_is_straight():
     """Without curvature all fibers stretch alike; with it alone, half of them do."""
     p = laws.named(Mechanism().replace(bimodulus=0.1))
     base = laws.named(Mechanism())
@@ -208,6 +215,7 @@ def test_fibers_that_are_stretched_are_counted_where_the_section_is_straight():
 
 @pytest.mark.parametrize("tau", [4.0, -9.0])
 def test_bending_laws_under_a_couple_are_circles(tau):
+    """Closed form: a couple bends to a circle whose curvature the law gives."""
     for name, a, law in (
         ("bending_cubic", 0.008, lambda k: k * (1.0 + 0.008 * k * k)),
         ("bending_amplitude", 0.028, lambda k: k * (1.0 + 0.028 * abs(k))),
@@ -223,7 +231,7 @@ def test_bending_laws_under_a_couple_are_circles(tau):
         np.testing.assert_allclose(pose[:2], [math.sin(k * L) / k, (math.cos(k * L) - 1.0) / k], rtol=0, atol=1e-12)
 
 
-def test_a_neo_hookean_section_is_stiffer_to_bend_when_compressed():
+def test_a_neo_hookean_section_is_stiffer_when_compressed():
     """At the tip of a straight column under a push, a small couple turns by tau times the column's compliance."""
     push, tau = -300.0, 1e-5
     p = laws.named(Mechanism())
@@ -240,6 +248,7 @@ def test_a_neo_hookean_section_is_stiffer_to_bend_when_compressed():
 
 
 def test_axial_laws_of_rubber():
+    """Closed form: Mooney-Rivlin and Ogden forces at given stretches."""
     stretch = np.array([0.8, 0.9, 1.1])
     base = EA / 3.0 * (stretch - stretch**-2)
     for effect, force in (
@@ -253,6 +262,7 @@ def test_axial_laws_of_rubber():
 
 
 def test_shear_laws_under_a_small_side_force():
+    """Closed form: the small deflection of a Timoshenko beam, and the law at one strain."""
     force = 1e-3
     (pose,) = poses(WEIGHTLESS.replace(shear_compression=1.0), fz_N=[force])
     assert pose[1] == pytest.approx(force * (L**3 / (3.0 * EI) + L / GA), rel=1e-9)
@@ -262,6 +272,7 @@ def test_shear_laws_under_a_small_side_force():
 
 
 def test_an_s_shaped_beam_rests_in_its_shape():
+    """SciPy's quad of the unloaded shape."""
     a = 0.6
     (pose,) = poses(WEIGHTLESS.replace(precurvature_gradient=a), lam_l_N=[0.0])
 
@@ -273,6 +284,7 @@ def test_an_s_shaped_beam_rests_in_its_shape():
 
 
 def test_ends_that_are_bonded_bend_less():
+    """SciPy's quad of the curvature under a couple."""
     a, decay, tau = 0.3, 0.02, 5.0
     (pose,) = poses(WEIGHTLESS.replace(**{"bonded_ends.size": a, "bonded_ends.decay": decay}), tau_Nm=[tau])
     turned = integrate.quad(
@@ -282,6 +294,7 @@ def test_ends_that_are_bonded_bend_less():
 
 
 def test_clamp_and_plate_turn_by_their_couple():
+    """Closed form: a compliant end turns by couple times compliance."""
     tau, c = 6.0, 2e-3
     (rigid,) = poses(WEIGHTLESS, tau_Nm=[tau])
     (at_foot,) = poses(WEIGHTLESS.replace(clamp_rotation_compliance=c), tau_Nm=[tau])
@@ -293,6 +306,7 @@ def test_clamp_and_plate_turn_by_their_couple():
 
 
 def test_a_clamp_gives_way_along_and_across():
+    """Closed form: displacement is force times compliance."""
     force = {"fx_N": [-200.0], "fz_N": [30.0]}
     rigid = poses(WEIGHTLESS, **force)
     soft = WEIGHTLESS.replace(clamp_axial_compliance=1e-6, clamp_lateral_compliance=5e-6)
@@ -300,6 +314,7 @@ def test_a_clamp_gives_way_along_and_across():
 
 
 def test_springs_and_pulls_at_the_head_are_wrenches():
+    """Equivalence: the same neck under the wrench that the springs exert."""
     neck = Mechanism().replace(side_force=2.0, lateral_spring=300.0, rotational_spring=1.5)
     loads = campaign()
     held = seen(neck, loads)
@@ -311,6 +326,7 @@ def test_springs_and_pulls_at_the_head_are_wrenches():
 
 
 def test_stops_push_back_beyond_their_angle():
+    """Closed form: the couple of the bent beam and that of the stop balance."""
     tau = np.array([-18.0, -9.0, 9.0, 18.0])
     for name, acts in (("contact_stop", tau == tau), ("contact_stop_one_sided", tau > 0.0)):
         (theta,) = poses(WEIGHTLESS.replace(**{f"{name}.stiffness": 40.0, f"{name}.angle": 0.35}), tau_Nm=tau)[:, 2:].T
@@ -319,6 +335,7 @@ def test_stops_push_back_beyond_their_angle():
 
 
 def test_weights_are_where_the_effects_put_them():
+    """Equivalence: a mechanism whose drawing has the changed number."""
     loads = {"tilt_rad": [0.3, -0.7], "lam_l_N": [50.0, 0.0], "lam_r_N": [0.0, 20.0]}
     for effect, drawn in (
         ({"head_com_sideways": 0.02}, {"head.b": 0.02}),
@@ -353,6 +370,7 @@ def test_a_plate_above_the_beam_with_unequal_levers():
 
 
 def test_forces_behind_the_readings():
+    """By hand: the formula of the force cells, solved for the readings."""
     r = np.array([[40.0, 160.0], [10.0, 0.0]])
     loads = rows(lam_l_N=r[:, 0], lam_r_N=r[:, 1])
     neck = Mechanism().replace(
@@ -373,6 +391,7 @@ def test_forces_behind_the_readings():
 
 
 def test_the_camera_step_by_step():
+    """By hand: each step of the camera in complex numbers."""
     (pose,) = poses(Mechanism(), lam_l_N=[80.0], lam_r_N=[5.0])
     effects = {
         "marker_lever_x": 4e-3, "marker_lever_z": -3e-3, "lens_distortion": 2.0, "camera_keystone": 0.3,
@@ -398,6 +417,7 @@ def past_of(**columns):
 
 
 def test_tendons_remember_which_way_they_were_pulled():
+    """By hand: directions of six rows."""
     lam = {"lam_l_N": [10.0, 60.0, 60.0, 30.0, 30.0, 30.0], "lam_r_N": [5.0] * 6}
     past = past_of(**lam, pose_id=["a", "b", "b", "c", "d", "d"], session=["1"] * 5 + ["2"])
     assert past.pulled[0].tolist() == [1.0, 1.0, 1.0, -1.0, -1.0, 1.0]
@@ -406,6 +426,7 @@ def test_tendons_remember_which_way_they_were_pulled():
 
 
 def test_the_largest_load_so_far_and_the_time_since():
+    """By hand: four rows."""
     lam = {"lam_l_N": [100.0, 20.0, 160.0, 0.0], "lam_r_N": [60.0, 20.0, 160.0, 32.0]}
     past = past_of(**lam, t_s=[100.0, 460.0, 1900.0, 4000.0], experiment=["t", "t", "t", "u"])
     np.testing.assert_allclose(past.peak, [0.5, 0.5, 1.0, 0.1], rtol=1e-15)
@@ -414,18 +435,21 @@ def test_the_largest_load_so_far_and_the_time_since():
 
 
 def test_the_slider_follows_until_it_slips():
+    """By hand: five rows."""
     past = past_of(lam_l_N=[0.0] * 5, lam_r_N=[0.0] * 5)
     object.__setattr__(past, "theta", np.array([0.05, 0.3, 0.25, 0.1, -0.4]))
     np.testing.assert_allclose(past.slider(0.1), [0.5, 1.0, 0.5, -1.0, -1.0], rtol=0, atol=1e-15)
 
 
 def test_memory_fades_by_1_over_e():
+    """Closed form: exponential decay over one and two time constants."""
     past = past_of(lam_l_N=[0.0] * 3, lam_r_N=[0.0] * 3, dwell_s=[60.0, 60.0, 1e6])
     object.__setattr__(past, "theta", np.array([0.1, 0.1, 0.2]))
     np.testing.assert_allclose(past.gap(60.0), 0.1 * np.array([math.exp(-1.0), math.exp(-2.0), 0.0]), rtol=1e-14)
 
 
 def test_an_aged_neck_is_a_new_one_of_other_stiffness():
+    """Equivalence: a neck with the stiffness of that age."""
     loads = {"lam_l_N": [120.0, 40.0], "lam_r_N": [40.0, 10.0], "t_s": [0.0, 1800.0], "dwell_s": [9.0, 99.0]}
     neck = Mechanism().replace(creep=0.02, mullins_softening=0.05, stiffness_drift=0.03)
     found = poses(neck, **loads)
@@ -437,6 +461,7 @@ def test_an_aged_neck_is_a_new_one_of_other_stiffness():
 
 
 def test_hysteresis_and_memory_are_couples():
+    """Equivalence: a couple along the beam is a precurvature."""
     lam = {"lam_l_N": [0.0, 60.0, 20.0], "lam_r_N": [20.0, 0.0, 0.0], "dwell_s": [10.0, 20.0, 30.0]}
     past = past_of(**lam)
     a, turn = 0.3, 0.05
@@ -451,6 +476,7 @@ def test_hysteresis_and_memory_are_couples():
 
 
 def test_friction_holds_back_what_is_pulled_in():
+    """Equivalence: frictionless tendons with the forces that act, by hand."""
     lam = {"lam_l_N": [50.0, 100.0, 50.0], "lam_r_N": [50.0, 50.0, 50.0]}
     pulled = past_of(**lam).pulled
     assert pulled[0].tolist() == [1.0, 1.0, -1.0]
@@ -466,6 +492,7 @@ def test_friction_holds_back_what_is_pulled_in():
 
 
 def test_drifts_grow_with_the_hours():
+    """By hand: one hour of each drift."""
     columns = {"lam_l_N": [50.0, 50.0], "lam_r_N": [20.0, 20.0], "t_s": [600.0, 4200.0]}
     still = poses(Mechanism(), **columns)
     camera = poses(Mechanism().replace(camera_drift_x=3e-4, camera_drift_z=-1e-4), **columns)

@@ -24,6 +24,7 @@ def built(truth, neck=None):
 
 
 def test_the_truth_explains_the_data_to_the_noise():
+    """Chi-squared: residuals of the truth; without the hidden effects ten times more."""
     data, truth = hide(effects={"precurvature": -0.3, "contact_stop": None}, design="grid7", seed=5, noise="geometry")
     assert truth.names == ("precurvature", "contact_stop")
     assert set(truth.tolerance) == set(TOLERANCES)
@@ -35,6 +36,7 @@ def test_the_truth_explains_the_data_to_the_noise():
 
 
 def test_the_seed_makes_all_of_it():
+    """Contract: the same seed, the same bytes; another seed, other data."""
     one, other, third = (hide(effects={"random": None}, design="grid2", seed=seed, noise="force") for seed in (3, 3, 4))
     assert one[1] == other[1] != third[1]
     np.testing.assert_array_equal(one[0].pose, other[0].pose)
@@ -51,6 +53,7 @@ def test_noise_and_effect_are_drawn_apart():
 
 
 def test_sizes_are_half_to_twice_the_typical_one():
+    """Contract: the documented range, over all effects."""
     sizes = {}
     for seed, (name, effect) in enumerate(CATALOGUE.items()):
         inside, outside = drawn({name: None}, np.random.default_rng(seed))
@@ -67,6 +70,7 @@ def test_sizes_are_half_to_twice_the_typical_one():
 
 
 def test_the_material_is_as_believed_or_scattered_like_its_tests():
+    """Published: the scatter of the paper's Table 1."""
     assert hide(design="grid2", seed=1, spread=False)[1].values == {"EA": 7500.0, "GA": 2420.0, "EI": 3.0}
     values = hide(design="grid2", seed=1)[1].values
     assert 0.0 < abs(values["EA"] / 7500.0 - 1.0) < 0.05
@@ -75,6 +79,7 @@ def test_the_material_is_as_believed_or_scattered_like_its_tests():
 
 @pytest.mark.parametrize("name", OUTSIDE)
 def test_effects_outside_the_catalogue_can_be_hidden(name):
+    """Contract: a hidden effect shows above the noise of the camera."""
     data, truth = hide(effects={name: None}, design="grid4", seed=2, noise="none", spread=False)
     assert truth.kind == "outside"
     assert 0.5 <= truth.outside[name] / OUTSIDE[name].typical <= 2.0
@@ -82,6 +87,7 @@ def test_effects_outside_the_catalogue_can_be_hidden(name):
 
 
 def test_what_the_conditions_say_is_in_the_data():
+    """By hand: rows, replicates and instruments of one set of conditions."""
     taken = conditions("force+tails+undeclared+frame")
     assert (taken.sensors.force_sigma, taken.sensors.tail_dof, taken.frame, taken.geometry) == (0.2, 3.0, True, False)
     data, truth = hide(design="grid4", seed=1, noise="force+tails+undeclared+frame")
@@ -98,11 +104,13 @@ def test_what_the_conditions_say_is_in_the_data():
 
 
 def test_every_noise_can_be_combined():
+    """Contract: all noises at once give finite readings."""
     data, _ = hide(design="grid2", noise="+".join(name for name in NOISES if name not in ("none", "undeclared")))
     assert np.isfinite(data.pose).all()
 
 
 def test_designs():
+    """By hand: counts and extremes of every design."""
     rows = {name: design(name, seed=1) for name in DESIGNS}
     counts = {"T": 81, "T1": 45, "S": 9, "C": 7, "M": 9, "W": 25, "G": 14, "B": 50}
     assert {name: loads.n for name, loads in rows.items()} == counts
@@ -135,15 +143,18 @@ def test_designs():
     ],
 )
 def test_what_cannot_be_hidden(ask, said):
+    """Contract: the text of the error."""
     with pytest.raises(InputError, match=f"^{said}"):
         hide(**ask)
 
 
 def test_effects_that_a_user_adds_are_not_drawn():
+    """Contract: the catalogue as shipped."""
     assert set(laws.BUILT_IN) == set(CATALOGUE)
 
 
 def test_a_truth_survives_its_file(tmp_path):
+    """Round trip, and the text of errors."""
     truth = Truth({"precurvature": 0.2}, {"slack": 9.0}, {}, {"EA": 7500.0}, "T+S", "force", 3)
     assert Truth.from_json(truth.to_json(tmp_path / "truth.json")) == truth
     assert repr(truth) == (
@@ -162,6 +173,7 @@ def test_a_truth_survives_its_file(tmp_path):
 
 
 def test_by_command_the_data_do_not_say_what_is_hidden(tmp_path, capsys):
+    """Contract: no hidden name or size in the data file."""
     words = ["hide", "--effect", "random", "--effect", "side_force=2", "--design", "grid2", "--noise", "force"]
     assert (
         main([*words, "--seed", "6", "--out", str(tmp_path / "o"), "--truth", str(tmp_path / "t.json"), "--json"]) == 0
@@ -178,5 +190,6 @@ def test_by_command_the_data_do_not_say_what_is_hidden(tmp_path, capsys):
 
 
 def test_by_command_a_name_twice(capsys):
+    """Contract: the text of the error."""
     assert main(["hide", "--effect", "creep", "--effect", "creep=0.1"]) == 2
     assert capsys.readouterr().err == "ecm-fast: --effect: a name is given twice; say each once\n"

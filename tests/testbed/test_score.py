@@ -25,6 +25,7 @@ def answer(*effects, verdict="named", gap=(None, None, None), given=None):
 
 
 def test_a_right_answer():
+    """By hand: every grade of one answer."""
     grade = score(answer(claim("precurvature", 0.21, [0.19, 0.23]), gap=(5.0, 1.0, 1.0)), BENT)
     assert grade.top
     assert grade.in_set
@@ -44,6 +45,7 @@ def test_a_right_answer():
 
 
 def test_the_truth_among_the_look_alikes():
+    """By hand: every grade of one answer."""
     grade = score(answer(claim("side_force", 1.0, look_alikes=["precurvature", "clamp_tilt"]), verdict="family"), BENT)
     assert (grade.top, grade.in_set, grade.set_size, grade.alone, grade.alone_right) == (False, True, 3, False, None)
     assert grade.verdict_right
@@ -51,6 +53,7 @@ def test_the_truth_among_the_look_alikes():
 
 
 def test_one_wrong_name_alone():
+    """By hand: grades, and the closed share of the gap from its squares."""
     grade = score(answer(claim("side_force", 1.0), gap=(5.0, 3.0, 1.0), given=9.0), BENT)
     assert (grade.top, grade.in_set, grade.alone_right) == (False, False, False)
     assert grade.gap_closed == pytest.approx(1.0 - 8.0 / 24.0)
@@ -58,6 +61,7 @@ def test_one_wrong_name_alone():
 
 
 def test_a_second_name_on_one_effect():
+    """By hand: every grade of one answer."""
     grade = score(answer(claim("precurvature", 0.1, [0.11, 0.12]), claim("creep", 0.1)), BENT)
     assert grade.extra
     assert grade.top
@@ -66,6 +70,7 @@ def test_a_second_name_on_one_effect():
 
 
 def test_pairs_need_both():
+    """By hand: grades of a pair, and of half of it."""
     both = [claim("contact_stop", 4.0, key="contact_stop.stiffness"), claim("precurvature", 0.2, look_alikes=["a"])]
     grade = score(answer(*both), PAIR)
     assert PAIR.kind == "pair"
@@ -76,6 +81,7 @@ def test_pairs_need_both():
 
 
 def test_clean_data():
+    """By hand: four answers on data without an effect."""
     assert score(answer(verdict="nothing_found"), Truth()).verdict_right
     gap = score(answer(verdict="data_gap"), Truth())
     assert (gap.verdict_right, gap.false_alarm, gap.top, gap.in_set, gap.set_size) == (False, False, None, None, None)
@@ -86,6 +92,7 @@ def test_clean_data():
 
 
 def test_outside_the_catalogue():
+    """By hand: a right and a wrong answer."""
     truth = Truth(outside={"slack": 9.0})
     right, wrong = score(answer(verdict="outside_catalogue"), truth), score(answer(claim("creep", 0.1)), truth)
     assert (right.verdict_right, right.hidden, right.alone_right) == (True, ("slack",), None)
@@ -93,6 +100,7 @@ def test_outside_the_catalogue():
 
 
 def test_what_is_unknown_stays_unknown():
+    """Contract: an unknown size, interval or gap is left out."""
     grade = score(answer(claim("precurvature", None, [None, 0.3])), BENT)
     assert (grade.size_error, grade.covered, grade.gap_closed) == ({}, {}, None)
     assert score(answer(gap=(1.0, 1.0, 1.0), verdict="nothing_found"), Truth()).gap_closed is None
@@ -100,6 +108,8 @@ def test_what_is_unknown_stays_unknown():
 
 
 def test_objects_files_and_the_command(tmp_path, capsys):
+    """Contract: three ways in, one grade."""
+
     class Result:
         def to_json_dict(self):
             return answer(claim("precurvature", 0.21, [0.19, 0.23]), gap=(5.0, 1.0, 1.0))
@@ -117,6 +127,7 @@ def test_objects_files_and_the_command(tmp_path, capsys):
 
 
 def test_no_answer(tmp_path):
+    """Contract: the text of the error."""
     (tmp_path / "bad.json").write_text("{")
     for bad, said in (
         (tmp_path / "bad.json", "cannot be read as an answer"),
