@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bench import results_page
 from ecm_fast.testbed.sealed.ground_truth import Truth
 from ecm_fast.testbed.sealed.hide import hide
 
@@ -48,6 +49,7 @@ def plainly(path, truth, answer, priors):
 
 
 def test_known_answers_have_known_rates(tool, tmp_path, capsys):
+    """Counted by hand, for answers made by hand."""
     words = ["--folder", str(tmp_path), "--groups", "clean", "pairs", "outside", *WORDS]
     assert tool.main([*words, "--generate-only"]) == 0
     count = 2 * 2 + 20 + 2 * 8
@@ -81,6 +83,7 @@ def test_the_chance_of_an_answer_is_its_share_of_the_evidence(tool):
 
 
 def test_answers_are_kept_until_they_are_forgotten(tool, tmp_path, capsys):
+    """Counted by hand, for answers made by hand."""
     words = ["--folder", str(tmp_path), "--groups", "clean", *WORDS]
     alarm = {"verdict": "named", "effects": [{"name": "creep", "parameters": {"creep": 0.1}}]}
     for diagnose, more, said in (
@@ -93,6 +96,7 @@ def test_answers_are_kept_until_they_are_forgotten(tool, tmp_path, capsys):
 
 
 def test_every_effect_is_a_cell_and_every_set_has_its_own_seed(tool, tmp_path):
+    """Counted by hand: 67 effects, 8 outside, noises and designs."""
     cells = list(tool.cells(tool.GROUPS, ("T", "T+S"), ("white", "force"), 3))
     assert len(cells) == 2 * (2 + 67 + 1 + 8)
     seeds = [tool.Sealed(cell, number, tmp_path).seed for cell in cells for number in range(cell.count)]
@@ -100,7 +104,8 @@ def test_every_effect_is_a_cell_and_every_set_has_its_own_seed(tool, tmp_path):
 
 
 @pytest.mark.parametrize("noise", ["strong_force", "undeclared+strong_force"])
-def test_what_stands_out_is_measured_in_the_noise_there_is_said_or_not(tool, noise):
+def test_sigmas_are_those_of_the_noise_declared_or_not(tool, noise):
+    """By hand: the noise of camera and force cells."""
     made, truth = hide(effects={"beam_length": 1e-3}, design="T", seed=5, noise=noise)
     still = tool.still(truth, truth.effects)
     assert still.n == made.n
@@ -108,9 +113,12 @@ def test_what_stands_out_is_measured_in_the_noise_there_is_said_or_not(tool, noi
         assert np.all(getattr(still, name) == sigma)
 
 
-def test_the_table_goes_between_its_marks(tool, tmp_path):
-    path = tmp_path / "README.md"
-    path.write_text(f"a\n{tool.START}\nold\n{tool.END}\nb\n", encoding="utf-8")
-    tool.rewrite(["new"], path)
-    assert path.read_text(encoding="utf-8") == f"a\n{tool.START}\nnew\n{tool.END}\nb\n"
-    assert (ROOT / "README.md").read_text(encoding="utf-8").count(tool.START) == 1
+def test_the_page_of_results_is_written_whole(tmp_path):
+    """Truth: the stored tables; the page in the repository is what the script makes of them."""
+    stored = json.loads((ROOT / "bench" / "results.json").read_text(encoding="utf-8"))
+    assert results_page.page(stored) == (ROOT / "bench" / "RESULTS.md").read_text(encoding="utf-8")
+    results_page.write(stored, tmp_path)
+    results_page.put("times", ["a new table"], tmp_path)
+    text = (tmp_path / "RESULTS.md").read_text(encoding="utf-8")
+    assert "a new table" in text
+    assert "\n".join(stored["error_rates"]).strip() in text

@@ -93,6 +93,7 @@ def process(*words: str, cwd: Path, env: dict[str, str] | None = None, **options
 def test_solve_meets_the_shooting_solutions(
     run: Run, left: float, right: float, x: float, z: float, theta: float
 ) -> None:
+    """Shooting: three rows of the table of tendon equilibria."""
     answer = run("solve", "--tendons", left, right, "--mechanism", "bare.toml", "--json").json
     assert [answer["x"], answer["z"], answer["theta"]] == pytest.approx([x, z, theta], abs=1e-8)
     assert (answer["converged"], answer["stable"], answer["status"]) == (True, True, "converged")
@@ -101,6 +102,7 @@ def test_solve_meets_the_shooting_solutions(
 
 
 def test_solve_takes_the_mechanism_and_the_discretization(run: Run) -> None:
+    """Shooting: a row of the table; the coarser mesh is farther off."""
     Path("paper.toml").write_text('preset = "paper"\n' + BARE.replace("[beam]", '[beam]\naxial_law = "hooke"'))
     left, right, x, z, theta = PAPER_HOOKE
     words = ("solve", "--tendons", left, right, "--mechanism", "paper.toml", "--json")
@@ -114,6 +116,7 @@ def test_solve_takes_the_mechanism_and_the_discretization(run: Run) -> None:
 
 
 def test_solve_gives_the_derivatives_of_a_cantilever_at_rest(run: Run) -> None:
+    """Closed form: compliance of the linear Timoshenko beam."""
     answer = run("solve", "--tendons", "0", "0", "--mechanism", "bare.toml", "--json").json
     L, EA, GA, EI, d = 0.109, 7500.0, 2420.0, 3.0, 0.070
     # closed form for a small tip force: z = f L^3/(3 EI) + f L/GA, theta = -f L^2/(2 EI)
@@ -126,6 +129,7 @@ def test_solve_gives_the_derivatives_of_a_cantilever_at_rest(run: Run) -> None:
 
 
 def test_solve_speaks_to_a_reader(run: Run) -> None:
+    """By hand: the lines of the answer."""
     ended = run("solve", "--tendons", "80", "0", "--mechanism", "bare.toml")
     lines = ended.out.splitlines()
     assert (ended.code, ended.err) == (0, "")
@@ -141,13 +145,15 @@ def test_solve_speaks_to_a_reader(run: Run) -> None:
 
 
 def test_solve_takes_negative_numbers_in_every_spelling(run: Run) -> None:
+    """Contract: one answer for every spelling of the same number."""
     plain = run("solve", "--tendons", "40", "10", "--wrench", "-50", "-0.5", "-2", "--json").json
     for spelling in (("-5e1", "-.5", "-2."), ("-5E+1", "-5e-1", "-0.2e1")):
         assert run("solve", "--wrench", *spelling, "--json", "--tendons", "4e1", "+10").json == plain
     assert plain["x"] < run("solve", "--tendons", "40", "10", "--json").json["x"]
 
 
-def test_an_unstable_equilibrium_is_said_on_stderr_and_is_no_failure(run: Run) -> None:
+def test_an_unstable_equilibrium_is_no_failure(run: Run) -> None:
+    """Closed form: the neck buckles at 539.05 N; exit code 0, a line on stderr."""
     ended = run("solve", "--tendons", "0", "0", "--wrench", "-600", "0", "0", "--mechanism", "bare.toml", "--json")
     assert ended.code == 0
     assert (ended.json["converged"], ended.json["stable"], ended.json["status"]) == (True, False, "unstable")
@@ -158,6 +164,7 @@ def test_an_unstable_equilibrium_is_said_on_stderr_and_is_no_failure(run: Run) -
 
 
 def test_a_solve_that_fails(run: Run) -> None:
+    """Contract: exit code 3 and null for every number."""
     ended = run("solve", "--tendons", "5000", "0", "--json")
     assert ended.code == 3
     assert (ended.json["x"], ended.json["z"], ended.json["theta"]) == (None, None, None)
@@ -171,6 +178,7 @@ def test_a_solve_that_fails(run: Run) -> None:
 
 
 def test_solve_writes_its_answer_where_it_is_told(run: Run) -> None:
+    """Contract: the file holds what stdout shows."""
     ended = run("solve", "--tendons", "40", "10", "--json", "--out", "a/b")
     assert ended.err == f"ecm-fast: wrote {Path('a/b/solve.json')}\n"
     assert json.loads(Path("a/b/solve.json").read_text()) == ended.json
@@ -180,6 +188,7 @@ def test_solve_writes_its_answer_where_it_is_told(run: Run) -> None:
 
 
 def test_predict_meets_the_shooting_solutions(run: Run) -> None:
+    """Shooting: rows of the table as measured poses."""
     rows = [f"{left},{right},{1e3 * x:.12g},{1e3 * z:.12g},{theta}" for left, right, x, z, theta in TENDONS]
     Path("run.csv").write_text("\n".join(["lam_l_N,lam_r_N,x_mm,z_mm,theta_rad", *rows]))
     ended = run("predict", "run.csv", "--mechanism", "bare.toml", "--json")
@@ -198,7 +207,7 @@ def test_predict_meets_the_shooting_solutions(run: Run) -> None:
         assert [float(cells[name]) for name in ("x_m", "z_m", "theta_rad")] == pytest.approx([x, z, theta], abs=1e-8)
 
 
-def test_predict_says_how_far_readings_are_in_units_of_their_noise(run: Run) -> None:
+def test_predict_reports_the_misfit_in_units_of_noise(run: Run) -> None:
     """Nine readings off by one sigma of 0.1 mm up and down, the tenth by 20: rms sqrt((9 + 400)/10)."""
     loads = Measurements.from_columns({"lam_l_N": np.linspace(0.0, 90.0, 10)})
     pose = predict(Mechanism(), loads).pose
@@ -217,6 +226,7 @@ def test_predict_says_how_far_readings_are_in_units_of_their_noise(run: Run) -> 
 
 
 def test_predict_without_measured_poses(run: Run) -> None:
+    """By hand: the text."""
     Path("run.csv").write_text("lam_l_N,lam_r_N\n40,10\n0,0\n")
     ended = run("predict", "run.csv", "--out", "there")
     assert (
@@ -228,6 +238,7 @@ def test_predict_without_measured_poses(run: Run) -> None:
 
 
 def test_predict_with_a_row_that_fails_writes_the_others(run: Run) -> None:
+    """Contract: exit code 3, the failed row named, the others written."""
     Path("run.csv").write_text("lam_l_N,lam_r_N,theta_deg\n40,10,-5\n5000,0,1\n0,0,0\n")
     ended = run("predict", "run.csv", "--json", "--order", "5")
     assert ended.code == 3
@@ -238,6 +249,7 @@ def test_predict_with_a_row_that_fails_writes_the_others(run: Run) -> None:
 
 
 def test_predict_with_bad_data(refused: Callable[..., str]) -> None:
+    """Contract: one line that names file, line and column."""
     assert refused("predict", "no.csv").startswith("no.csv: ")
     Path("run.csv").write_text("lam_l_N,lam_r_N\n-1,10\n")
     assert refused("predict", "run.csv").startswith("run.csv: line 2, column lam_l_N: ")
@@ -250,6 +262,7 @@ def test_predict_with_bad_data(refused: Callable[..., str]) -> None:
 
 
 def test_effects_lists_the_catalogue(run: Run) -> None:
+    """By hand: the first entry; and the catalogue's own order."""
     effects = run("effects", "--json").json["effects"]
     assert [entry["name"] for entry in effects] == list(CATALOGUE)
     assert effects[0] == {
@@ -289,6 +302,7 @@ def test_effects_lists_the_catalogue(run: Run) -> None:
 
 @pytest.mark.parametrize("preset", ["slender", "paper"])
 def test_init_writes_a_file_that_every_command_takes(run: Run, preset: str) -> None:
+    """Round trip: the preset, and its length by hand."""
     ended = run("init", "--preset", preset, "neck.toml", "--json")
     assert ended.json == {"mechanism": "neck.toml", "preset": preset}
     assert ended.err == "ecm-fast: wrote neck.toml\n"
@@ -300,6 +314,7 @@ def test_init_writes_a_file_that_every_command_takes(run: Run, preset: str) -> N
 
 
 def test_init_does_not_overwrite(run: Run, refused: Callable[..., str]) -> None:
+    """Contract: an existing file is kept unless forced."""
     assert run("init") == (0, "", "ecm-fast: wrote mechanism.toml\n")
     Path("mechanism.toml").write_text("mine")
     assert refused("init") == "mechanism.toml: exists; --force overwrites it"
@@ -314,6 +329,7 @@ def test_init_does_not_overwrite(run: Run, refused: Callable[..., str]) -> None:
 
 
 def test_init_in_a_folder(run: Run) -> None:
+    """Contract: the place of the file."""
     assert run("init", "--out", "new/place").err == f"ecm-fast: wrote {Path('new/place/mechanism.toml')}\n"
     assert Mechanism.from_toml("new/place/mechanism.toml") == Mechanism()
 
@@ -321,7 +337,8 @@ def test_init_in_a_folder(run: Run) -> None:
 # reproduce
 
 
-def test_reproduce_gives_one_object_and_reports_progress_on_stderr(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_reproduce_gives_one_object_on_stdout(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Contract: one JSON object on stdout, progress on stderr."""
     pytest.importorskip("matplotlib")
     pytest.importorskip("jinja2")
     from ecm_fast.studies import paper as reproduce
@@ -402,6 +419,7 @@ SOLVE = ("solve", "--tendons", "1", "2")
     ids=lambda entry: repr(" ".join(entry)) if isinstance(entry, tuple) else "",
 )
 def test_bad_arguments(refused: Callable[..., str], words: tuple[str, ...], text: str) -> None:
+    """Contract: the text of the error, written by hand."""
     assert refused(*words) == text
 
 
@@ -412,6 +430,7 @@ def test_bad_arguments(refused: Callable[..., str], words: tuple[str, ...], text
     "command", [(), *(tuple(name.split()) for name in cli.COMMANDS)], ids=lambda words: " ".join(words) or "top"
 )
 def test_every_command_has_help(run: Run, command: tuple[str, ...]) -> None:
+    """Contract: usage, options and exit codes of every command."""
     ended = run(*command, "--help")
     assert (ended.code, ended.err) == (0, "")
     assert ended.out.startswith(f"usage: {' '.join(['ecm-fast', *command])} ")
@@ -420,12 +439,14 @@ def test_every_command_has_help(run: Run, command: tuple[str, ...]) -> None:
 
 
 def test_the_version_is_that_of_the_project(run: Run) -> None:
+    """pyproject.toml."""
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert run("--version") == (0, f"ecm-fast {project['version']}\n", "")
     assert project["scripts"] == {"ecm-fast": "ecm_fast.__main__:main"}
 
 
 def test_help_version_and_bad_arguments_load_no_library(tmp_path: Path) -> None:
+    """Python's own list of loaded modules."""
     lines = [
         ["--help"],
         ["--version"],
@@ -465,6 +486,7 @@ def replaced(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> None:
 
 
 def test_the_unexpected_is_one_line_and_a_traceback_on_demand(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Contract: the text of the error."""
     monkeypatch.delenv("ECM_FAST_TRACEBACK", raising=False)
     replaced(monkeypatch, KeyError("a\nb"))
     line = "ecm-fast: unexpected KeyError: 'a\\nb' (ECM_FAST_TRACEBACK=1 in the environment shows where)\n"
@@ -476,6 +498,7 @@ def test_the_unexpected_is_one_line_and_a_traceback_on_demand(run: Run, monkeypa
 
 
 def test_an_interrupt_and_a_solve_that_does_not_converge(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Contract: exit codes 130 and 3."""
     replaced(monkeypatch, KeyboardInterrupt())
     assert run("effects") == (130, "", "ecm-fast: interrupted\n")
     replaced(monkeypatch, NotConverged("no equilibrium"))
@@ -485,7 +508,8 @@ def test_an_interrupt_and_a_solve_that_does_not_converge(run: Run, monkeypatch: 
 # As a process
 
 
-def test_a_process_ends_with_the_code_and_says_only_json_on_stdout(tmp_path: Path) -> None:
+def test_a_process_ends_with_its_code_and_json_on_stdout(tmp_path: Path) -> None:
+    """Contract: exit codes of real processes."""
     for words, code in {
         ("effects", "--json"): 0,
         ("solve", "--tendons", "5000", "0", "--json"): 3,
@@ -501,6 +525,7 @@ def test_a_process_ends_with_the_code_and_says_only_json_on_stdout(tmp_path: Pat
 @pytest.mark.skipif(os.name == "nt", reason="pipes of POSIX")
 @pytest.mark.parametrize("words", [("effects",), ("effects", "--json"), ("--help",), ("solve", "--help")], ids=" ".join)
 def test_a_reader_that_goes_away_is_no_error(tmp_path: Path, words: tuple[str, ...]) -> None:
+    """Contract: a closed pipe ends the command in silence."""
     with process(*words, cwd=tmp_path) as running:
         assert running.stdout is not None
         assert running.stderr is not None
@@ -511,6 +536,7 @@ def test_a_reader_that_goes_away_is_no_error(tmp_path: Path, words: tuple[str, .
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
 def test_a_full_disk_under_stdout_is_an_error(tmp_path: Path) -> None:
+    """The operating system's /dev/full."""
     with open("/dev/full", "w") as full:
         running = process("effects", cwd=tmp_path, stdout=full)
         _, err = running.communicate(timeout=60)
@@ -521,6 +547,7 @@ def test_a_full_disk_under_stdout_is_an_error(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(os.name == "nt", reason="shells of POSIX")
 def test_closed_streams_are_no_error(tmp_path: Path) -> None:
+    """Contract: exit code 0 with closed streams."""
     for closed in (">&-", "2>&-", ">&- 2>&-"):
         done = subprocess.run(
             ["sh", "-c", f'"{sys.executable}" -m ecm_fast effects {closed}'], cwd=tmp_path, timeout=60
@@ -529,6 +556,7 @@ def test_closed_streams_are_no_error(tmp_path: Path) -> None:
 
 
 def test_a_terminal_that_knows_ascii_alone(tmp_path: Path) -> None:
+    """Contract: other characters are escaped."""
     running = process("init", "h\u00e4ls.toml", cwd=tmp_path, env={"PYTHONIOENCODING": "ascii:strict"})
     out, err = running.communicate(timeout=60)
     assert (running.returncode, out) == (0, "")

@@ -46,7 +46,8 @@ def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.
     return _run
 
 
-def test_the_answer_holds_what_python_gives_and_the_file_the_values(run: Run) -> None:
+def test_the_answer_holds_what_python_gives(run: Run) -> None:
+    """Another way in: `identify` from Python."""
     Path("off.toml").write_text("[beam]\nEA = 7000.0\nGA = 2800.0\nEI = 2.7\n")
     words = (TENDON, SHEAR, "--fit", "EA", "GA", "EI", "--mechanism", "off.toml", "--out", "mine")
     ended, path = run(*words, "--json"), Path("mine/identified.toml")
@@ -73,6 +74,7 @@ def test_the_answer_holds_what_python_gives_and_the_file_the_values(run: Run) ->
 
 
 def test_what_is_not_seen_is_null_and_said_on_stderr(run: Run) -> None:
+    """Contract: null and a warning for GA, which pure compression cannot determine."""
     ended = run(PUSHES, "--fit", "EA", "GA", "--mechanism", SPECIMEN, "--channels", "x", "--json")
     assert ended.code == 0
     assert ended.json["parameters"]["GA"] == {"value": 2420.0, "std": None, "lower": None, "upper": None}
@@ -82,6 +84,7 @@ def test_what_is_not_seen_is_null_and_said_on_stderr(run: Run) -> None:
 
 
 def test_priors_and_losses_are_passed_on(run: Run) -> None:
+    """Another way in: `identify` from Python."""
     ended = run(TENDON, "--fit", "EA", "EI", "--prior", "EA", "7900", "10", "--prior", "EI", "3", "1", "--json")
     prior = {"EA": (7900.0, 10.0), "EI": (3.0, 1.0)}
     data = read_measurements(TENDON)
@@ -110,6 +113,7 @@ def test_priors_and_losses_are_passed_on(run: Run) -> None:
     ids=["nothing to fit", "parameter", "file", "channel", "prior", "prior twice"],
 )
 def test_bad_arguments(run: Run, words: tuple[str, ...], text: str) -> None:
+    """Contract: exit code 2 and one line."""
     ended = run(*words)
     assert (ended.code, ended.out) == (2, "")
     assert ended.err.startswith(f"ecm-fast: {text}")

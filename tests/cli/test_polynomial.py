@@ -52,6 +52,7 @@ def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.
 
 
 def test_fit_and_eval_meet_the_shooting_solutions(run: Run) -> None:
+    """Shooting: rows of the table of tendon equilibria."""
     ended = run("fit", "--mechanism", "bare.toml", "--degree", 6, "--json")
     model = Path("out/polynomial.json")
     assert (ended.code, ended.err) == (0, f"ecm-fast: wrote {model}\n")
@@ -71,6 +72,7 @@ def test_fit_and_eval_meet_the_shooting_solutions(run: Run) -> None:
 
 
 def test_eval_of_a_file_compares_with_the_wrench_of_the_tendons(run: Run) -> None:
+    """Shooting: wrenches of the table."""
     run("fit", "--mechanism", "bare.toml", "--degree", 6)
     ended = run("eval", "out/polynomial.json", "run.csv", "--mechanism", "bare.toml", "--json")
     assert ended.err == f"ecm-fast: wrote {Path('out/wrenches.csv')}\n"
@@ -90,6 +92,7 @@ def test_eval_of_a_file_compares_with_the_wrench_of_the_tendons(run: Run) -> Non
 
 
 def test_fit_to_measurements_alone_and_mixed(run: Run) -> None:
+    """Counting: rows needed, used and dropped."""
     refused = run("fit", "run.csv")
     assert refused == (2, "", "ecm-fast: 2 rows do not determine a polynomial of degree 3: at least 20 are needed\n")
     mixed = run("fit", "run.csv", "--poses", 100, "--seed", 3, "--json")
@@ -100,6 +103,7 @@ def test_fit_to_measurements_alone_and_mixed(run: Run) -> None:
 
 
 def test_conservative(run: Run) -> None:
+    """Theory: the stiffness of an energy is symmetric, 34 coefficients."""
     ended = run("fit", "--conservative", "--out", "mine", "--poses", 200)
     assert ended.out.startswith("degree 3, 34 coefficients from 200 poses, condition number ")
     stiffness = run("eval", "mine/polynomial.json", "--pose", 0.1, 0, 0, "--json", "--out", "mine").json["stiffness"]
@@ -109,6 +113,7 @@ def test_conservative(run: Run) -> None:
 
 
 def test_beyond_the_range_it_says_so(run: Run) -> None:
+    """Contract: a warning on stderr, exit code 0."""
     run("fit", "--poses", 100, "--degree", 2)
     ended = run("eval", "out/polynomial.json", "--pose", 0.1, 0.0, -3)
     assert ended.code == 0
@@ -143,6 +148,7 @@ def test_beyond_the_range_it_says_so(run: Run) -> None:
     ids=lambda entry: repr(" ".join(entry)) if isinstance(entry, tuple) else "",
 )
 def test_bad_arguments(run: Run, words: tuple[str, ...], text: str) -> None:
+    """Contract: exit code 2 and one line."""
     ended = run(*words)
     assert (ended.code, ended.out) == (2, "")
     assert ended.err.startswith(f"ecm-fast: {text}")

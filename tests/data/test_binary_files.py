@@ -15,6 +15,7 @@ from ecm_fast.errors import InputError
 
 
 def test_nothing_heavy_is_loaded_before_a_file_needs_it() -> None:
+    """Python's own list of loaded modules."""
     heavy = "{'scipy', 'pyarrow', 'pymatreader', 'h5py', 'numba', 'pandas'}"
     code = f"import ecm_fast.data.measurements, sys; print(*{heavy} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -58,6 +59,7 @@ def _save_mat(path: Path, content: dict[str, Any]) -> Path:
 
 
 def test_mat_vectors_struct_and_struct_array(tmp_path: Path) -> None:
+    """SciPy's savemat, three layouts of the same numbers."""
     vectors = _matlab()
     _check_matlab(read_measurements(_save_mat(tmp_path / "vectors.mat", vectors)))
     _check_matlab(read_measurements(_save_mat(tmp_path / "struct.mat", {"run": vectors, "note": 1.0})))
@@ -71,6 +73,8 @@ def test_mat_vectors_struct_and_struct_array(tmp_path: Path) -> None:
 
 
 def test_mat_that_cannot_be(tmp_path: Path) -> None:
+    """By hand: the text of the error, for files of SciPy's savemat."""
+
     def refused(content: dict[str, Any]) -> str:
         return _refused(_save_mat(tmp_path / "run.mat", content))
 
@@ -91,6 +95,8 @@ def test_mat_that_cannot_be(tmp_path: Path) -> None:
 
 
 def test_mat_from_a_big_endian_machine(tmp_path: Path) -> None:
+    """By hand: the bytes after MathWorks' description of the format."""
+
     def element(kind: int, data: bytes) -> bytes:
         return struct.pack(">II", kind, len(data)) + data + bytes(-len(data) % 8)
 
@@ -101,6 +107,7 @@ def test_mat_from_a_big_endian_machine(tmp_path: Path) -> None:
 
 
 def test_mat_with_a_variable_twice(tmp_path: Path) -> None:
+    """By hand: the text of the error, for joined and cut files."""
     path = _save_mat(tmp_path / "run.mat", {"fx_N": [1.0]})
     content = path.read_bytes()
     path.write_bytes(content + content[128:])
@@ -137,6 +144,7 @@ def _write_mat73(path: Path) -> None:
 
 
 def test_mat_of_version_73(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """h5py writes the file."""
     pytest.importorskip("pymatreader")
     path = tmp_path / "run.mat"
     _write_mat73(path)
@@ -158,6 +166,7 @@ def _save_parquet(path: Path, columns: dict[str, Any]) -> Path:
 
 
 def test_parquet(tmp_path: Path) -> None:
+    """pyarrow writes the file."""
     columns = {
         "lam_l_N": [40, 0],
         "x_mm": [109.0, None],
@@ -177,6 +186,7 @@ def test_parquet(tmp_path: Path) -> None:
 
 
 def test_parquet_that_cannot_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By hand: the text of the error, for files of pyarrow."""
     path = _save_parquet(tmp_path / "run.parquet", {"x_mm": [1.0, float("nan")], "fx_N": [None, 1.0]})
     assert _refused(path) == ("2 bad cells: row 1, column fx_N: blank (allowed is a finite number; write 0 for none); "
                               "row 2, column x_mm: nan (allowed is a finite number, or a blank)")  # fmt: skip

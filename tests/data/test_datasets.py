@@ -18,7 +18,8 @@ ELASTICA = [0.0898, 0.1516, 0.1960, 0.2272, 0.2495, 0.2659, 0.2784]
 """The same strip, inextensible and without shear, by integrating its elastica, [m] to four digits."""
 
 
-def test_every_dataset_has_its_files_and_says_where_it_comes_from() -> None:
+def test_every_dataset_has_its_files_and_its_source() -> None:
+    """Contract: files, sources, and the mark of simulated data."""
     measured, simulated = datasets.available()[:2], datasets.available()[2:]
     assert measured == ("steel_cantilever", "silicone_cantilever")
     assert len(simulated) == 6
@@ -34,6 +35,7 @@ def test_every_dataset_has_its_files_and_says_where_it_comes_from() -> None:
 
 
 def test_an_unknown_dataset_is_told_with_the_nearest() -> None:
+    """Contract: the text of the error."""
     with pytest.raises(InputError) as caught:
         datasets.load("steel_cantilver")
     text = str(caught.value)
@@ -42,6 +44,7 @@ def test_an_unknown_dataset_is_told_with_the_nearest() -> None:
 
 
 def test_the_steel_strip_is_the_published_one() -> None:
+    """Published: Belendez, Neipp & Belendez 2003, as tabulated there."""
     mechanism, data = datasets.load("steel_cantilever")
     assert (-data.z).tolist() == DEFLECTIONS
     np.testing.assert_allclose(-data.fz, 0.098 * np.arange(7), rtol=0, atol=1e-15)
@@ -53,7 +56,8 @@ def test_the_steel_strip_is_the_published_one() -> None:
     assert (beam.length, mechanism.head.mass) == (0.40, 0.0)
 
 
-def test_the_steel_strip_bends_as_measured_without_a_fitted_number() -> None:
+def test_the_steel_strip_bends_as_measured() -> None:
+    """Published: the authors' own elastica, and their measurements; nothing is fitted."""
     prediction = predict(*datasets.load("steel_cantilever"))
     assert prediction.counts["converged"] == 7
     np.testing.assert_allclose(-prediction.pose[:, 1], ELASTICA, rtol=0, atol=6e-5)  # they are rounded to 1e-4
@@ -61,6 +65,7 @@ def test_the_steel_strip_bends_as_measured_without_a_fitted_number() -> None:
 
 
 def test_the_silicone_beam_is_the_published_one() -> None:
+    """Published: motion capture of ETH's Soft Robotics Lab, 2021."""
     mechanism, data = datasets.load("silicone_cantilever")
     np.testing.assert_allclose(-1e3 * data.z, [6.3, 16.5, 24.6])
     np.testing.assert_allclose(np.degrees(data.theta), [4.9, 13.8, 24.6])
@@ -75,7 +80,8 @@ def test_the_silicone_beam_is_the_published_one() -> None:
     assert pytest.approx(5 / 6 * modulus / 3 * 0.03**2, rel=1e-4) == beam.GA
 
 
-def test_one_modulus_explains_the_silicone_beams_sag_but_not_its_rotation() -> None:
+def test_one_modulus_explains_sag_but_not_rotation() -> None:
+    """Published: measured sags and rotations."""
     prediction = predict(*datasets.load("silicone_cantilever"))
     sag, rotation = -1e3 * prediction.pose[:, 1], np.degrees(prediction.pose[:, 2])
     assert sag[0] == pytest.approx(6.3, abs=0.01)
@@ -84,7 +90,8 @@ def test_one_modulus_explains_the_silicone_beams_sag_but_not_its_rotation() -> N
     assert (np.diff(short) > 1.0).all()  # ever shorter of the measured rotation, as the load grows
 
 
-def test_another_modulus_gives_the_sag_and_rotation_found_by_another_program() -> None:
+def test_another_modulus_gives_what_another_program_found() -> None:
+    """Another program: its figures at 0.283 MPa."""
     mechanism, data = datasets.load("silicone_cantilever")
     modulus = 0.283e6
     softer = mechanism.replace(EA=modulus * 9e-4, GA=modulus * 2.5e-4, EI=modulus * 6.75e-8)
@@ -94,6 +101,7 @@ def test_another_modulus_gives_the_sag_and_rotation_found_by_another_program() -
 
 
 def test_one_element_of_order_six_meets_the_reference_solutions() -> None:
+    """Shooting: the reference solutions."""
     known = datasets.reference_solutions()
     assert (len(known.loads), known.loads.count("tendons")) == (22, 12)
     assert {mechanism.beam.axial_law for mechanism in known.mechanisms} == {"neo-hookean", "hooke"}
@@ -104,13 +112,15 @@ def test_one_element_of_order_six_meets_the_reference_solutions() -> None:
     np.testing.assert_allclose(found.pose, known.pose, rtol=0, atol=5e-9)
 
 
-def test_the_reference_solutions_are_for_the_mechanism_their_header_names() -> None:
+def test_the_reference_solutions_are_for_their_mechanism() -> None:
+    """By hand: the numbers of the file's header."""
     beam, tendons = (getattr(datasets.reference_solutions().mechanisms[0], name) for name in ("beam", "tendons"))
     assert (beam.EA, beam.GA, beam.EI) == (7500.0, 2420.0, 3.0)
     assert (tendons.plate_half_width, tendons.pulley_x) == (0.070, 0.0)
 
 
 def test_the_reference_solutions_are_rows_of_the_tables(table) -> None:
+    """The tables of `tests/tables`, from which they were taken."""
     # table: the whole tables from which a few rows ship with the package
     poses = {(row["x_L"], row["z_L"], row["theta_L_rad"]) for row in table("tendon_equilibria")}
     poses |= {(row["x_L_m"], row["z_L_m"], row["theta_L_rad"]) for row in table("paper_beam_dead_tip_wrench")}

@@ -68,18 +68,21 @@ def check(content: bytes, ending: str) -> None:
 @settings(max_examples=400, deadline=None, derandomize=True)
 @given(sheets())
 def test_near_sheets(content: bytes) -> None:
+    """Contract: finite loads or one line of error, for random tables."""
     check(content, ".csv")
 
 
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(st.one_of(st.text().map(lambda text: text.encode("utf-8", "surrogatepass")), st.binary()))
 def test_any_bytes_as_csv(content: bytes) -> None:
+    """Contract: finite loads or one line of error, for random bytes."""
     check(content, ".csv")
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(st.binary(), st.sampled_from([".mat", ".parquet"]))
 def test_any_bytes_as_mat_and_parquet(content: bytes, ending: str) -> None:
+    """Contract: finite loads or one line of error, for random bytes."""
     if ending == ".parquet":
         pytest.importorskip("pyarrow.parquet")
     check(content, ending)
@@ -104,10 +107,12 @@ def _parquet() -> bytes:
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(st.data())
 def test_damaged_mat(data: st.DataObject) -> None:
+    """Contract: finite loads or one line of error, for good files with changed bytes."""
     check(data.draw(damaged(_mat())), ".mat")
 
 
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(st.data())
 def test_damaged_parquet(data: st.DataObject) -> None:
+    """Contract: finite loads or one line of error, for good files with changed bytes."""
     check(data.draw(damaged(_parquet())), ".parquet")

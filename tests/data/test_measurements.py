@@ -40,11 +40,13 @@ def refused(read: Any, tmp_path: Path) -> Any:
 
 
 def test_the_fields_are_the_declared_columns() -> None:
+    """Contract: one field a declared column."""
     names = [entry.name for entry in fields(Measurements)]
     assert names == [*COLUMNS, "rows", "columns", "source", "counted"]
 
 
 def test_a_file_in_millimeters_and_degrees(read: Any, tmp_path: Path) -> None:
+    """By hand: SI values of two rows."""
     run = read(GOOD)
     assert run.lam.tolist() == [[40.0, 10.0], [0.0, 0.0]]
     assert run.pose.tolist() == [[0.0985, -0.01225, np.pi / 10], [0.109, 0.0, 0.0]]
@@ -91,12 +93,14 @@ def test_a_file_in_millimeters_and_degrees(read: Any, tmp_path: Path) -> None:
     ],
 )
 def test_a_unit_is_converted(read: Any, column: str, cell: str, si: float) -> None:
+    """By hand: one cell in every unit."""
     other = "lam_r_N" if column != "lam_r_N" else "lam_l_N"
     run = read(f"{column},{other}\n{cell},1\n")
     assert getattr(run, column.rsplit("_", 1)[0]).tolist() == [si]
 
 
 def test_blanks_are_kept_as_missing_and_the_order_of_rows_too(read: Any) -> None:
+    """By hand: three rows."""
     run = read("t_s,lam_l_N,x_mm,z_mm,experiment,pose_id,session\n9,3,,1,shear,b,2\n1,2,  ,,,,\n5,1,4,2, a b ,a,1.0\n")
     assert run.lam_l.tolist() == [3.0, 2.0, 1.0]
     assert run.t.tolist() == [9.0, 1.0, 5.0]
@@ -107,6 +111,7 @@ def test_blanks_are_kept_as_missing_and_the_order_of_rows_too(read: Any) -> None
 
 
 def test_what_spreadsheets_and_editors_do_to_a_file_is_harmless(read: Any) -> None:
+    """By hand: the same numbers with quotes, comments, blanks and a byte order mark."""
     plain = read(GOOD)
     quoted = '\ufeff# rig 3, "cold"\r\n\r\n"lam_l_N", lam_r_N ,x_mm,z_mm,theta_deg\r\n"40", 10,98.5,-12.25,18\r\n\r\n'
     run = read(quoted + ",,,,\r\n0,0,109,0,0")
@@ -119,16 +124,19 @@ def test_what_spreadsheets_and_editors_do_to_a_file_is_harmless(read: Any) -> No
 
 
 def test_a_record_counts_from_its_first_line(read: Any) -> None:
+    """By hand: line numbers."""
     assert read('lam_l_N,note_weather\n1,"cold\nand wet"\n2,\n').rows.tolist() == [2, 4]
 
 
 def test_notes_are_ignored(read: Any) -> None:
+    """By hand: columns that are not read."""
     run = read("lam_l_N,Notes,note_x_mm\n1,nan,abc\n")
     assert run.columns == ("lam_l_N",)
     assert np.isnan(run.x).all()
 
 
 def test_a_selection_keeps_its_places(read: Any) -> None:
+    """By hand: rows and their line numbers."""
     run = read("lam_l_N,experiment\n1,shear\n2,tendon\n3,shear\n")
     shear = run.select(run.experiment == "shear")
     assert shear.lam_l.tolist() == [1.0, 3.0]
@@ -145,6 +153,7 @@ def test_a_selection_keeps_its_places(read: Any) -> None:
 
 
 def test_the_arrays_cannot_be_changed_by_accident(read: Any) -> None:
+    """Contract: read-only arrays."""
     run = read(GOOD)
     with pytest.raises(ValueError, match="read-only"):
         run.x[0] = 1.0
@@ -153,6 +162,7 @@ def test_the_arrays_cannot_be_changed_by_accident(read: Any) -> None:
 
 
 def test_repr(read: Any, tmp_path: Path) -> None:
+    """By hand: the text."""
     run = read("lam_l_N,x_mm,z_mm,theta_deg\n1,1,1,1\n2,1,1,\n")
     path = tmp_path / "run.csv"
     assert repr(run) == f"<Measurements {path}: 2 rows, 1 with a whole pose; lam_l_N, x_mm, z_mm, theta_deg>"
@@ -191,6 +201,7 @@ def test_repr(read: Any, tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_a_header_that_cannot_be(refused: Any, header: str, text: str) -> None:
+    """By hand: the text of the error."""
     assert refused(header).startswith(text) or f": {text}" in refused(header)
 
 
@@ -220,11 +231,13 @@ def test_a_header_that_cannot_be(refused: Any, header: str, text: str) -> None:
     ],
 )
 def test_a_cell_that_cannot_be(refused: Any, column: str, cell: str, text: str) -> None:
+    """By hand: the text of the error."""
     content = f"# rig 3\n{column},lam_r_N\n{'a' if column == 'session' else 1},1\n{cell},2\n"
     assert refused(content) == f"line 4, column {column}: {text}"
 
 
 def test_five_bad_cells_are_shown_in_the_order_of_the_file(refused: Any) -> None:
+    """By hand: the text of the error."""
     text = refused("lam_l_N,x_mm\n1,a\n-1,b\n-2,c\n3,d\n4,e\n")
     allowed, pose = "(allowed is a finite number >= 0)", "(allowed is a finite number, or a blank)"
     assert text == (
@@ -249,10 +262,12 @@ def test_five_bad_cells_are_shown_in_the_order_of_the_file(refused: Any) -> None
     ],
 )  # fmt: skip
 def test_a_file_that_cannot_be(refused: Any, content: str | bytes, text: str) -> None:
+    """By hand: the text of the error."""
     assert refused(content) == text
 
 
 def test_a_path_that_cannot_be(refused: Any, tmp_path: Path) -> None:
+    """By hand: the text of the error."""
     assert refused(GOOD, "run.xlsx") == "file type '.xlsx' is not known; allowed are .csv, .txt, .parquet, .mat"
     for path, text in [
         (tmp_path / "none.csv", "cannot be read (No such file or directory)"),
@@ -266,6 +281,7 @@ def test_a_path_that_cannot_be(refused: Any, tmp_path: Path) -> None:
 
 
 def test_measurements_from_vectors_in_memory() -> None:
+    """By hand: SI values."""
     run = Measurements.from_columns(
         {"lam_l_N": [1, np.float32(2.5)], "x_mm": np.array([[109.0], [np.nan]]), "pose_id": (7, 2.5), "note": None}
     )
@@ -293,12 +309,14 @@ def test_measurements_from_vectors_in_memory() -> None:
     ],
 )  # fmt: skip
 def test_vectors_that_cannot_be(columns: dict[str, Any], text: str) -> None:
+    """By hand: the text of the error."""
     with pytest.raises(InputError) as caught:
         Measurements.from_columns(columns, source="trial")
     assert str(caught.value).startswith(f"trial: {text}")
 
 
 def test_30000_rows(read: Any) -> None:
+    """By hand: three of the rows."""
     rows = "".join(f"{i},{30000 - i},{i / 7!r},-1e-3,18,tendon\n" for i in range(30000))
     run = read("lam_l_N,lam_r_N,x_mm,z_mm,theta_deg,experiment\n" + rows)
     assert run.n == 30000
@@ -308,6 +326,7 @@ def test_30000_rows(read: Any) -> None:
 
 
 def test_what_is_written_reads_back_to_the_last_digit(tmp_path: Path) -> None:
+    """Round trip: awkward numbers in every column."""
     awkward = [1 / 3, 5e-324, 1.7976931348623157e308, 0.1 + 0.2]
     run = Measurements.from_columns(
         {
@@ -329,12 +348,14 @@ def test_what_is_written_reads_back_to_the_last_digit(tmp_path: Path) -> None:
 
 
 def test_columns_that_hold_nothing_are_not_written(tmp_path: Path) -> None:
+    """By hand: the text of the file."""
     run = Measurements.from_columns({"x_mm": [98.5, None], "tilt_rad": [0.0, 0.0], "session": ["", ""]})
     path = run.to_csv(tmp_path / "run.csv")
     assert path.read_text(encoding="utf-8") == "lam_l_N,lam_r_N,x_m\n0.0,0.0,0.0985\n0.0,0.0,\n"
 
 
 def test_without_rows_nothing_is_written(tmp_path: Path) -> None:
+    """By hand: the text of the error."""
     run = Measurements.from_columns({"x_mm": [98.5]}).select([])
     with pytest.raises(InputError, match=r"run\.csv: no rows to write; a measurement file has at least one$"):
         run.to_csv(tmp_path / "run.csv")
@@ -342,6 +363,7 @@ def test_without_rows_nothing_is_written(tmp_path: Path) -> None:
 
 
 def test_noise_is_declared_where_it_is_not() -> None:
+    """By hand: SI values."""
     data = Measurements.from_columns({"x_m": [0.1, 0.2], "sigma_x_mm": [None, 0.3]})
     found = data.with_noise({"x_mm": 0.1, "theta_deg": 180.0, "lam_N": 0.2})
     np.testing.assert_allclose(found.sigma_x, [1e-4, 3e-4], rtol=1e-15)
@@ -361,6 +383,7 @@ def test_noise_is_declared_where_it_is_not() -> None:
     ],
 )
 def test_noise_that_cannot_be(noise: dict[str, float], text: str) -> None:
+    """By hand: the text of the error."""
     with pytest.raises(InputError) as caught:
         Measurements.from_columns({"x_m": [0.1]}).with_noise(noise)
     assert str(caught.value).startswith(text)

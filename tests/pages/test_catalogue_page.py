@@ -16,6 +16,7 @@ from ecm_fast.pages.catalogue import signatures, sweep
 
 
 def test_patterns_are_differences_of_solves() -> None:
+    """Central differences of full solves."""
     names = ("precurvature", "stiffness_taper", "clamp_tilt", "pulley_spacing")
     grid, neck, share = sweep(), Mechanism(), 1e-3
     shapes = signatures(neck, grid, [CATALOGUE[name] for name in names])
@@ -28,6 +29,7 @@ def test_patterns_are_differences_of_solves() -> None:
 
 
 def test_mirror_classes_show_in_the_patterns() -> None:
+    """Mirror symmetry: even and odd patterns."""
     grid = sweep()
     effects = [effect for effect in CATALOGUE.values() if effect.mirror in ("even", "odd")]
     sign, swap = np.array([1.0, -1.0, -1.0]), np.lexsort((grid.lam_l, grid.lam_r))
@@ -38,6 +40,7 @@ def test_mirror_classes_show_in_the_patterns() -> None:
 
 
 def test_the_command_shows_look_alikes_and_writes_a_page(tmp_path, capsys) -> None:
+    """Known look-alikes, and the links of the page."""
     assert main(["effects", "--out", str(tmp_path), "--json"]) == 0
     entries = {entry["name"]: entry for entry in json.loads(capsys.readouterr().out)["effects"]}
     assert set(entries) == set(CATALOGUE)
@@ -50,5 +53,6 @@ def test_the_command_shows_look_alikes_and_writes_a_page(tmp_path, capsys) -> No
 
 
 def test_without_a_mechanism_the_catalogue_stays_a_list(capsys) -> None:
+    """Contract: the keys of the JSON."""
     assert main(["effects", "--json"]) == 0
     assert "look_alikes" not in json.loads(capsys.readouterr().out)["effects"][0]

@@ -34,7 +34,8 @@ NECK = ecm.Mechanism()
 # what is shown
 
 
-def test_every_effect_and_load_has_a_slider_that_stands_at_the_mechanism() -> None:
+def test_every_effect_and_load_has_a_slider() -> None:
+    """Contract: one slider a number, at the mechanism's value."""
     neck = NECK.replace(precurvature=2.0, EI=1.5)
     sliders = {control.name: control for control in controls(neck)}
     assert {"lam_l", "lam_r", "fx", "fz", "tau", "beam.EI", "tendons.plate_half_width"} <= set(sliders)
@@ -48,6 +49,7 @@ def test_every_effect_and_load_has_a_slider_that_stands_at_the_mechanism() -> No
 
 
 def test_a_frame_is_the_solve_of_its_inputs() -> None:
+    """Another way in: `solve` of the same mechanism and loads."""
     scene = Scene(NECK)
     inputs = {"lam_l": 80.0, "lam_r": 15.0, "fz": -4.0, "tau": 0.2, "beam.EI": 2.5, "effects.precurvature": 1.0}
     frame = scene.frame({"id": 7, "inputs": inputs})
@@ -67,6 +69,7 @@ def test_a_frame_is_the_solve_of_its_inputs() -> None:
 
 
 def test_a_case_without_equilibrium_is_said_in_words() -> None:
+    """Contract: null pose, a message, strict JSON."""
     frame = Scene(NECK).frame({"id": 0, "inputs": {"lam_l": 9000.0}})
     assert (frame["pose"], frame["outline"], frame["stable"]) == (None, None, False)
     assert "equilibrium" in frame["message"]
@@ -74,6 +77,7 @@ def test_a_case_without_equilibrium_is_said_in_words() -> None:
 
 
 def test_the_lines_meet_where_the_parts_meet() -> None:
+    """Geometry by hand: plate ends, tangent points, center of mass."""
     neck = NECK.replace(pulley_z=0.06, pulley_radius=0.008, pulley_x=-0.01, b=0.004)
     eq = ecm.FiniteElementModel(neck).solve((100.0, 0.0))
     lines = outline(neck, eq)
@@ -88,6 +92,7 @@ def test_the_lines_meet_where_the_parts_meet() -> None:
 
 
 def test_the_head_goes_where_it_is_dragged_or_as_near_as_it_can() -> None:
+    """Round trip: the pose of known forces; beyond it, the nearest by brute force."""
     scene, model = Scene(NECK), ecm.FiniteElementModel(NECK)
     goal = model.solve((90.0, 35.0)).pose[:2]
     frame = scene.frame({"id": 1, "inputs": {"lam_l": 0.0, "lam_r": 0.0}, "wish": goal.tolist()})
@@ -128,6 +133,7 @@ def test_the_head_goes_where_it_is_dragged_or_as_near_as_it_can() -> None:
     ],
 )
 def test_a_hostile_request_is_refused_in_one_line(text: str | bytes, complaint: str) -> None:
+    """Contract: the text of the error."""
     with pytest.raises(InputError) as caught:
         Scene(NECK).frame(parsed(text))
     assert complaint in str(caught.value)
@@ -160,7 +166,8 @@ def connect(page: Page, **options: Any) -> Any:
     return connect(f"ws://127.0.0.1:{page.port}/socket", origin=origin, max_size=None, proxy=None, **options)
 
 
-def test_the_files_come_with_a_policy_that_forbids_every_other_host(page: Page) -> None:
+def test_the_files_come_with_a_policy_against_other_hosts(page: Page) -> None:
+    """Contract: the headers of the reply."""
     for path, kind in (("", "text/html"), ("page.js", "text/javascript"), ("page.css", "text/css")):
         with urllib.request.urlopen(page.url + path, timeout=10) as reply:
             assert reply.headers["Content-Type"] == f"{kind}; charset=utf-8"
@@ -183,6 +190,7 @@ def test_the_files_come_with_a_policy_that_forbids_every_other_host(page: Page) 
     ],
 )
 def test_another_name_or_origin_is_refused(page: Page, path: str, headers: dict[str, str]) -> None:
+    """Contract: HTTP status 403."""
     upgrade = {"Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13"}
     connection = HTTPConnection("127.0.0.1", page.port, timeout=10)
     connection.request("GET", path, headers={**upgrade, "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==", **headers})
@@ -193,6 +201,7 @@ def test_another_name_or_origin_is_refused(page: Page, path: str, headers: dict[
 
 
 def test_a_page_is_greeted_and_answered(page: Page) -> None:
+    """Contract: the messages of a real socket."""
     with connect(page) as socket:
         hello = json.loads(socket.recv(10))
         assert {control["name"] for control in hello["controls"]} >= {"lam_l", "beam.EI"}
@@ -203,6 +212,7 @@ def test_a_page_is_greeted_and_answered(page: Page) -> None:
 
 
 def test_hostile_messages_are_answered_and_the_page_lives_on(page: Page) -> None:
+    """Contract: an error for each, then a good answer."""
     with connect(page) as socket:
         socket.recv(10)
         for text in (
@@ -229,6 +239,7 @@ def test_hostile_messages_are_answered_and_the_page_lives_on(page: Page) -> None
 
 
 def test_of_many_requests_the_newest_is_answered(page: Page) -> None:
+    """Contract: the last answer is that of the last request."""
     with connect(page) as socket:
         socket.recv(10)
         for number in range(1, 301):
@@ -241,6 +252,7 @@ def test_of_many_requests_the_newest_is_answered(page: Page) -> None:
 
 
 def test_the_command_ends_cleanly_when_it_is_interrupted(tmp_path: Path) -> None:
+    """Contract: a real interrupt, exit code and output."""
     pytest.importorskip("websockets", reason="no page here: websockets is not installed")
     words = [sys.executable, "-m", "ecm_fast", "view", "--no-browser", "--json"]
     process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path)
@@ -254,6 +266,7 @@ def test_the_command_ends_cleanly_when_it_is_interrupted(tmp_path: Path) -> None
 
 
 def test_a_port_that_is_taken(page: Page) -> None:
+    """The operating system's reason in one line."""
     with pytest.raises(InputError, match=rf"^--port {page.port}: cannot be listened on \(Address already in use\)$"):
         Page(lambda: Scene(NECK), page.port)
 
@@ -286,6 +299,7 @@ RECORD = """(() => {
 
 
 def test_a_drag_of_the_head_shows_the_newest_pose_in_every_frame(browser: Browser, page: Page) -> None:
+    """A real browser: every drawn frame is the newest solved one."""
     opened(browser, page)
     x, y = middle(browser, "#head")
     browser.value(RECORD)
@@ -311,6 +325,7 @@ def test_a_drag_of_the_head_shows_the_newest_pose_in_every_frame(browser: Browse
 
 
 def test_keys_move_sliders_head_and_load(browser: Browser, page: Page) -> None:
+    """A real browser: arrow keys change what they should."""
     opened(browser, page)
     before = browser.value("view.frame.pose")
     browser.value("document.querySelector('#head').focus()")
@@ -329,6 +344,7 @@ def test_keys_move_sliders_head_and_load(browser: Browser, page: Page) -> None:
 
 
 def test_a_small_screen_shows_all_of_it_below_each_other(browser: Browser, page: Page) -> None:
+    """A real browser: the layout at 360 by 640."""
     opened(browser, page, 360, 640)
     assert browser.value("document.documentElement.scrollWidth") <= 360
     stage, panel = (browser.value(f"document.querySelector('{name}').getBoundingClientRect().top")

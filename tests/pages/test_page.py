@@ -37,6 +37,7 @@ def table(path):
 
 
 def test_the_page_asks_nobody_and_holds_every_picture(done) -> None:
+    """Contract: no request, no script, every figure with its numbers."""
     text = (done / "diagnosis.html").read_text(encoding="utf-8")
     linked = set(re.findall(r'href="(\w+)\.csv"', text))
     assert linked >= PICTURES
@@ -48,6 +49,7 @@ def test_the_page_asks_nobody_and_holds_every_picture(done) -> None:
 
 
 def test_the_first_page_says_verdict_gap_set_and_next(done) -> None:
+    """Contract: what the JSON says stands before the first heading."""
     text = (done / "diagnosis.html").read_text(encoding="utf-8")
     result = json.loads((done / "diagnose.json").read_text(encoding="utf-8"))
     first = text[: text.index("<h2>")]
@@ -62,6 +64,7 @@ def test_the_first_page_says_verdict_gap_set_and_next(done) -> None:
 
 
 def test_numbers_beside_the_pictures_are_those_of_the_rows(done) -> None:
+    """The measured file itself."""
     rows = table(done / "residual_maps.csv")
     source = {row["row"]: row for row in rows}
     measured = table(done.parent / "run.csv")
@@ -74,12 +77,14 @@ def test_numbers_beside_the_pictures_are_those_of_the_rows(done) -> None:
 
 
 def test_mirror_pairs_put_a_taper_on_the_even_side(done) -> None:
+    """Mirror symmetry: the hidden taper is even."""
     rows = table(done / "parity.csv")
     even, odd = (sum(float(row[f"z_m_{word}"]) ** 2 for row in rows) for word in ("even", "odd"))
     assert even > 2.0 * odd
 
 
 def test_cosines_are_those_of_patterns(done) -> None:
+    """Known look-alikes and opposites."""
     cosine = {(row["first"], row["second"]): float(row["cosine"]) for row in table(done / "cosines.csv")}
     names = {first for first, _ in cosine}
     assert all(cosine[name, name] == pytest.approx(1.0) for name in names)
@@ -88,6 +93,7 @@ def test_cosines_are_those_of_patterns(done) -> None:
 
 
 def test_the_next_loads_go_on_from_the_result(done, capsys) -> None:
+    """Contract: the set of the result, within the given time."""
     words = ["next", str(done / "diagnose.json"), "--minutes", "4"]
     assert main([*words, "--add-ons", "nothing", "wrench", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
@@ -109,17 +115,20 @@ def test_the_next_loads_go_on_from_the_result(done, capsys) -> None:
     ],
 )
 def test_wrong_words_are_told(done, capsys, words, said) -> None:
+    """Contract: exit code 2 and the text of the error."""
     assert main([word.format(file=done / "diagnose.json") for word in words]) == 2
     assert said in capsys.readouterr().err
 
 
 def test_another_json_is_told(done, capsys, tmp_path) -> None:
+    """Contract: exit code 2 and the text of the error."""
     (tmp_path / "other.json").write_text("{}")
     assert main(["next", str(tmp_path / "other.json")]) == 2
     assert "has no 'inputs'" in capsys.readouterr().err
 
 
 def test_a_wrong_unit_stops_the_command(done, capsys, tmp_path) -> None:
+    """By hand: a column labelled a thousand times too small."""
     text = (done.parent / "run.csv").read_text(encoding="utf-8")
     (tmp_path / "run.csv").write_text(text.replace(",x_m,", ",x_mm,"), encoding="utf-8")
     assert main(["diagnose", str(tmp_path / "run.csv"), "--out", str(tmp_path)]) == 2
@@ -127,6 +136,7 @@ def test_a_wrong_unit_stops_the_command(done, capsys, tmp_path) -> None:
 
 
 def test_a_folder_stands_for_the_result_in_it(done, capsys) -> None:
+    """Contract: the same answer for folder and file."""
     answers = []
     for place in (done, done / "diagnose.json"):
         assert main(["next", str(place), "--minutes", "2", "--add-ons", "nothing", "--json"]) == 0
@@ -137,6 +147,7 @@ def test_a_folder_stands_for_the_result_in_it(done, capsys) -> None:
 
 
 def test_a_name_alone_is_checked_against_its_nearest_rivals(done, capsys, tmp_path) -> None:
+    """By hand: a result whose set has one name."""
     result = json.loads((done / "diagnose.json").read_text(encoding="utf-8"))
     single = [model for model in result["models"] if len(model["names"]) == 1 and not model["refused"]]
     result["models"] = [{**model, "in_set": model is single[0]} for model in single[:3]]
@@ -147,6 +158,8 @@ def test_a_name_alone_is_checked_against_its_nearest_rivals(done, capsys, tmp_pa
 
 
 def test_a_page_that_fails_loses_nothing(done, capsys, monkeypatch, tmp_path) -> None:
+    """Contract: the result is written although the page is not."""
+
     def fail(*_, **__):
         raise RuntimeError("no picture")
 
@@ -162,6 +175,7 @@ def test_a_page_that_fails_loses_nothing(done, capsys, monkeypatch, tmp_path) ->
 
 
 def test_few_rows_beside_many_are_no_warning(done, capsys, tmp_path) -> None:
+    """By hand: the same rows in one file and in two."""
     lines = (done.parent / "run.csv").read_text(encoding="utf-8").splitlines(keepends=True)
     for name, part in {"few.csv": lines[:9], "many.csv": [lines[0], *lines[9:]]}.items():
         (tmp_path / name).write_text("".join(part), encoding="utf-8")

@@ -30,6 +30,7 @@ def lines(axes):
 
 
 def test_a_shape_shows_clamp_pulleys_and_six_lines_a_neck(model) -> None:
+    """Counting: lines and circles of the figure."""
     figure = plot_shape(model, [model.solve((160.0, 0.0)), model.solve((0.0, 80.0))])
     (axes,) = figure.axes
     assert len(axes.lines) == 3 + 2 * 6  # clamp and two pulley axles; beam, plate, two tendons, arm and center of mass
@@ -44,6 +45,7 @@ def test_a_shape_shows_clamp_pulleys_and_six_lines_a_neck(model) -> None:
 
 
 def test_a_shape_lies_where_the_neck_is(model) -> None:
+    """Geometry by hand from the solved pose."""
     eq = model.solve((160.0, 0.0))
     found = lines(plot_shape(model, eq).axes[0])[3:]
     beam, plate, left, right, arm, mass = found
@@ -62,16 +64,19 @@ def test_a_shape_lies_where_the_neck_is(model) -> None:
 
 
 def test_a_weightless_head_has_no_center_of_mass() -> None:
+    """Counting: lines of the figure."""
     model = FiniteElementModel(Mechanism().replace(**{"head.mass": 0.0}))
     assert len(plot_shape(model, model.solve()).axes[0].lines) == 3 + 4
 
 
 def test_what_is_no_equilibrium_is_not_drawn(model) -> None:
+    """Contract: the text of the error."""
     with pytest.raises(InputError, match=r"^equilibrium 1 cannot be drawn: no equilibrium"):
         plot_shape(model, [model.solve(), model.solve((2000.0, 0.0))])
 
 
 def test_a_workspace_shows_every_pose_twice() -> None:
+    """Counting: points of the figure; the range of the forces."""
     figure = plot_workspace(FiniteElementModel(), n=200, rng=7)
     whole, close, bar = figure.axes
     lam = random_tendon_forces(200, 7)
@@ -90,6 +95,7 @@ def test_a_workspace_shows_every_pose_twice() -> None:
 
 
 def test_residuals_are_drawn_for_measured_channels_only() -> None:
+    """By hand: measured cells."""
     data = Measurements.from_columns(
         {"lam_l_N": [0.0, 50.0, 90.0], "z_mm": [0.0, 7.0, None], "theta_deg": [0.0, -7.5, -13.0]}
     )
@@ -103,11 +109,13 @@ def test_residuals_are_drawn_for_measured_channels_only() -> None:
 
 
 def test_without_a_measured_pose_there_is_nothing_to_draw() -> None:
+    """Contract: the text of the error."""
     with pytest.raises(InputError, match="nothing to draw, no row has a measured pose and a prediction"):
         plot_residuals(predict(Mechanism(), Measurements.from_columns({"lam_l_N": [1.0]})))
 
 
-def test_the_same_picture_is_the_same_text_and_refers_to_nothing_outside(model) -> None:
+def test_the_same_picture_is_the_same_text(model) -> None:
+    """Contract: the same bytes, no reference outside."""
     for draw in (lambda: plot_shape(model, model.solve((40.0, 10.0))), lambda: plot_workspace(model, 20, 1)):
         first, second = svg(draw(), "name"), svg(draw(), "name")
         assert first == second
@@ -118,6 +126,7 @@ def test_the_same_picture_is_the_same_text_and_refers_to_nothing_outside(model) 
 
 
 def test_without_matplotlib_the_error_names_what_to_install(monkeypatch, model) -> None:
+    """Contract: the text of the error."""
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(InputError) as caught:
         plot_shape(model, model.solve())

@@ -21,17 +21,20 @@ def loaded_after(statement: str) -> set[str]:
 
 
 def test_the_package_itself_loads_nothing() -> None:
+    """Python's own list of loaded modules."""
     modules = loaded_after("import ecm_fast")
     assert modules & {"numba", "numpy", "scipy", "matplotlib"} == set()
 
 
 def test_the_model_loads_no_optimizer_and_no_plots() -> None:
+    """Python's own list of loaded modules."""
     modules = loaded_after("import ecm_fast; ecm_fast.FiniteElementModel().solve((40.0, 10.0)).raise_if_failed()")
     assert "numba" in modules
     assert modules & {"scipy.optimize", "scipy.stats", "scipy.sparse", "matplotlib", "pyarrow"} == set()
 
 
 def test_imports_go_one_way() -> None:
+    """import-linter, with the contracts of pyproject.toml."""
     pytest.importorskip("importlinter")
     command = [sys.executable, "-c", "from importlinter.cli import lint_imports_command as run; run()", "--no-cache"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=PACKAGE.parent)
@@ -40,12 +43,14 @@ def test_imports_go_one_way() -> None:
 
 
 def test_every_public_name_is_there() -> None:
+    """Contract: `__all__`."""
     for name in ecm_fast.__all__:
         assert getattr(ecm_fast, name) is not None
     assert set(ecm_fast.__all__) <= set(dir(ecm_fast))
 
 
 def test_a_name_that_is_not_public() -> None:
+    """Contract: the text of the error."""
     with pytest.raises(AttributeError, match=r"^module 'ecm_fast' has no attribute 'FiniteElement'$"):
         _ = ecm_fast.FiniteElement
 
@@ -66,12 +71,14 @@ def imported(path: Path) -> set[str]:
 
 
 def test_the_walk_sees_relative_imports() -> None:
+    """Check of the check: three imports known by hand."""
     assert "ecm_fast.kernels.general.newton.solve" in imported(PACKAGE / "kernels" / "general" / "batch.py")
     assert "ecm_fast.models.reference.section.section_law" in imported(PACKAGE / "models" / "reference" / "__init__.py")
     assert "ecm_fast.errors.InputError" in imported(PACKAGE / "cli" / "__init__.py")
 
 
-def test_nothing_in_the_package_imports_the_oracle_but_to_time_it() -> None:
+def test_only_fig7_imports_the_oracle() -> None:
+    """The source's syntax tree."""
     sources = [path for path in PACKAGE.rglob("*.py") if "reference" not in path.relative_to(PACKAGE).parts]
     assert len(sources) > 20
     guilty = {
@@ -81,6 +88,7 @@ def test_nothing_in_the_package_imports_the_oracle_but_to_time_it() -> None:
 
 
 def test_the_oracle_imports_no_kernel() -> None:
+    """The source's syntax tree."""
     sources = list((PACKAGE / "models" / "reference").glob("*.py"))
     guilty = {str(path) for path in sources if any(name.startswith("ecm_fast.kernels") for name in imported(path))}
     assert guilty == set()

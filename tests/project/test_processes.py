@@ -36,7 +36,8 @@ def files(cache: Path) -> dict[str, int]:
     return {str(path): path.stat().st_mtime_ns for path in cache.rglob("*.nb*")}
 
 
-def test_ten_processes_begun_at_once_on_an_empty_cache_answer_the_same(tmp_path):
+def test_ten_processes_begun_at_once_answer_the_same(tmp_path):
+    """Contract: one answer, and an eleventh process that compiles nothing."""
     running = [start(MODEL, tmp_path) for _ in range(10)]
     answers = [answer(process) for process in running]
     assert answers == [answers[0]] * 10
@@ -49,6 +50,7 @@ def test_ten_processes_begun_at_once_on_an_empty_cache_answer_the_same(tmp_path)
 
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="needs permissions that bind this user")
 def test_a_read_only_cache_is_said_once_and_costs_no_answer(tmp_path):
+    """Contract: the answer of a process with a cache, and one warning."""
     expected, _ = answer(start(SMALL, tmp_path / "own"))
     closed = tmp_path / "closed"
     closed.mkdir(mode=0o500)
@@ -58,7 +60,8 @@ def test_a_read_only_cache_is_said_once_and_costs_no_answer(tmp_path):
     assert list(closed.iterdir()) == []
 
 
-def test_a_cache_that_cannot_be_a_folder_is_said_once_and_costs_no_answer(tmp_path):
+def test_a_cache_that_cannot_be_a_folder_costs_no_answer(tmp_path):
+    """Contract: the answer of a process with a cache, and one warning."""
     expected, _ = answer(start(SMALL, tmp_path / "own"))
     (tmp_path / "file").write_text("here is no folder")
     out, err = answer(start(SMALL, tmp_path / "file"))

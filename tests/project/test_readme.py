@@ -1,4 +1,4 @@
-"""Code blocks and commands of the README and of the pages beside the code."""
+"""Code blocks, commands, links and names of the README and of the pages beside the code."""
 
 import re
 import shlex
@@ -9,34 +9,92 @@ import pytest
 
 from ecm_fast import Mechanism
 from ecm_fast.__main__ import main
+from ecm_fast.mechanism.sections import SECTIONS, quantities
 from ecm_fast.testbed import Sensors, measure, shear_test, tendon_test
 
 ROOT = Path(__file__).resolve().parents[2]
-TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"```(\w+)\n(.*?)```", TEXT, re.DOTALL)
-COMMANDS = [line.split("#")[0].strip() for kind, text in BLOCKS if kind == "sh" for line in text.splitlines()]
+README = ROOT / "README.md"
+PAGES = [README, *sorted((ROOT / "ecm_fast").rglob("README.md"))]
+EVERY_PAGE = [*PAGES, ROOT / "bench" / "RESULTS.md", *sorted((ROOT / ".github").glob("*.md"))]
+NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
 
 
-@pytest.mark.parametrize("code", [text for kind, text in BLOCKS if kind == "python"])
-def test_python_blocks_run(code, capsys, tmp_path, monkeypatch):
+def blocks(page: Path, kind: str) -> list[str]:
+    """Return the code blocks of one language, less those marked as not run."""
+    return re.findall(rf"```{kind}\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def commands(page: Path) -> list[str]:
+    """Return the commands of a page."""
+    lines = [line.split("#")[0].strip() for block in blocks(page, "sh") for line in block.splitlines()]
+    return [line for line in lines if line]
+
+
+def cases(kind: str) -> list[object]:
+    """Return page and number of every block of a language."""
+    return [
+        pytest.param(page, number, id=f"{page.parent.name}-{number}")
+        for page in PAGES
+        for number in range(len(blocks(page, kind)))
+    ]
+
+
+@pytest.mark.parametrize(("page", "number"), cases("python"))
+def test_python_blocks_run(page, number, capsys, tmp_path, monkeypatch):
+    """Truth: the page, whose code must run as printed."""
     monkeypatch.chdir(tmp_path)
-    exec(compile(code, "README.md", "exec"), {})
+    exec(compile(blocks(page, "python")[number], str(page), "exec"), {})
     assert "nan" not in capsys.readouterr().out
 
 
-def test_commands_run_in_order(tmp_path, monkeypatch, capsys):
+def test_the_first_block_prints_what_stands_below_it(capsys):
+    """Truth: the printed output in the README, to six digits."""
+    exec(compile(blocks(README, "python")[0], "README.md", "exec"), {})
+    printed, shown = capsys.readouterr().out, blocks(README, "text")[0]
+    assert NUMBER.sub("", printed).split() == NUMBER.sub("", shown).split()
+    np.testing.assert_allclose(
+        [float(word) for word in NUMBER.findall(printed)], [float(word) for word in NUMBER.findall(shown)], rtol=1e-6
+    )
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if commands(page)], ids=lambda page: page.parent.name)
+def test_commands_run_in_order(page, tmp_path, monkeypatch, capsys):
+    """Truth: the page, whose commands must succeed as printed, one after the other."""
     monkeypatch.chdir(tmp_path)
     neck = Mechanism().replace(pulley_radius=0.005)
     measure(neck, tendon_test(grid=6, seed=1), Sensors(force_sigma=0.1), seed=1).to_csv("run.csv")
     measure(neck, shear_test(np.linspace(-60.0, 60.0, 9)), Sensors(force_sigma=0.1), seed=2).to_csv("other.csv")
-    Path("sweep.toml").write_text(next(text for kind, text in BLOCKS if kind == "toml"))
-    assert COMMANDS[:2] == ["python3 tools/run.py ecm-fast reproduce", "python3 tools/run.py pytest"]
-    for command in COMMANDS[2:]:
+    for block in blocks(page, "toml"):
+        Path("sweep.toml").write_text(block)
+    asked = commands(page)
+    if page == README:
+        assert asked[:2] == ["python3 tools/run.py ecm-fast reproduce", "python3 tools/run.py pytest"]
+        asked = asked[2:]
+    for command in asked:
         words = shlex.split(command)
         assert words[:3] == ["python3", "tools/run.py", "ecm-fast"]
         assert main(words[3:]) == 0, capsys.readouterr().err
 
 
-def test_every_file_it_names_is_there():
-    for name in re.findall(r"`((?:ecm_fast|tools|kernels|effects)/[\w/]+\.py)`", TEXT):
+def test_the_readme_fits_in_150_lines():
+    """Truth: a project rule."""
+    assert len(README.read_text(encoding="utf-8").splitlines()) <= 150
+
+
+@pytest.mark.parametrize("page", EVERY_PAGE, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_link_and_file_it_names_is_there(page):
+    """Truth: the files of the repository."""
+    text = page.read_text(encoding="utf-8")
+    for target in re.findall(r"\]\(([^)#]+)\)", text):
+        assert "://" in target or (page.parent / target).exists(), target
+    for name in re.findall(r"`((?:ecm_fast|tools|bench|tests|kernels|models)/[\w/.]+)`", text):
         assert (ROOT / name).exists() or (ROOT / "ecm_fast" / name).exists(), name
+
+
+def test_the_drawing_shows_every_name():
+    """Truth: the declared quantities of the mechanism, each of which the drawing must name."""
+    drawing = (ROOT / ".pictures" / "mechanism.svg").read_text(encoding="utf-8")
+    words = set(re.findall(r"\w+", re.sub(r"<[^>]*>", " ", drawing)))
+    names = {entry.name for section in SECTIONS.values() for entry in quantities(section)} | {"axial_law"}
+    loads = {"lam_l_N", "lam_r_N", "fx_N", "fz_N", "tau_Nm", "tilt_deg"}
+    assert names | loads <= words

@@ -66,26 +66,31 @@ def refusal(call, *arguments):
 
 
 def test_old_python_is_refused_by_version(run):
+    """By hand: the text of the error."""
     assert "needs Python 3.11 or newer, this is 3.10" in refusal(run.check_version, (3, 10, 13))
 
 
 @pytest.mark.parametrize("version", [(3, 11, 0), (3, 12, 1), (4, 0, 0)])
 def test_newer_python_is_taken(run, version):
+    """By hand: versions."""
     assert run.check_version(version) is None
 
 
 def test_old_python_can_read_the_script_as_far_as_the_refusal():
+    """Python's own parser with the grammar of 3.7."""
     tree = ast.parse(SCRIPT.read_text(), feature_version=(3, 7))
     imported = {name.name for node in tree.body if isinstance(node, ast.Import) for name in node.names}
     assert "tomllib" not in imported, "not there before 3.11"
 
 
 def test_no_tool_named_prints_the_usage(run):
+    """By hand: the text."""
     assert refusal(run.main, []).startswith("usage: python3 tools/run.py TOOL")
 
 
 @pytest.mark.parametrize("missing", ["venv", "ensurepip"])
 def test_python_without_venv_names_the_package_to_install(run, monkeypatch, missing):
+    """By hand: the text of the error."""
     steps = Steps(run)
     monkeypatch.setattr(run, "step", steps)
     monkeypatch.setattr(run.importlib.util, "find_spec", lambda name: None if name == missing else object())
@@ -96,6 +101,7 @@ def test_python_without_venv_names_the_package_to_install(run, monkeypatch, miss
 
 
 def test_set_up_installs_with_uv_and_leaves_its_stamp(run, monkeypatch):
+    """By hand: the commands in order."""
     steps = Steps(run)
     monkeypatch.setattr(run, "step", steps)
     assert not run.is_ready()
@@ -105,6 +111,7 @@ def test_set_up_installs_with_uv_and_leaves_its_stamp(run, monkeypatch):
 
 
 def test_where_uv_fails_pip_installs_the_same(run, monkeypatch):
+    """By hand: the commands in order."""
     steps = Steps(run, "-m uv")
     monkeypatch.setattr(run, "step", steps)
     run.set_up()
@@ -115,13 +122,15 @@ def test_where_uv_fails_pip_installs_the_same(run, monkeypatch):
 
 @pytest.mark.parametrize("failing", [("-m venv",), ("-m pip",), ("-m uv", "-m pip install --quiet --editable")])
 def test_failed_set_up_says_so_and_is_not_ready(run, monkeypatch, failing):
+    """Contract: no stamp after a failure."""
     monkeypatch.setattr(run, "step", Steps(run, *failing))
     assert "no network" in refusal(run.set_up)
     assert not run.is_ready()
 
 
 @pytest.mark.parametrize(("value", "expected"), [("1", True), ("", False), (None, False)])
-def test_bytecode_is_compiled_at_once_where_imports_would_not_keep_it(run, monkeypatch, value, expected):
+def test_bytecode_is_compiled_where_imports_would_not_keep_it(run, monkeypatch, value, expected):
+    """By hand: the commands."""
     monkeypatch.delenv("PYTHONDONTWRITEBYTECODE", raising=False)
     if value is not None:
         monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", value)
@@ -136,6 +145,7 @@ def test_bytecode_is_compiled_at_once_where_imports_would_not_keep_it(run, monke
     [("pyproject.toml", '"numpy"', '"numpy", "scipy"'), ("tools/constraints.txt", "2.4.6", "2.4.7")],
 )
 def test_stamp_changes_with_what_must_be_installed(run, root, file, old, new):
+    """Contract: another digest."""
     before = run.stamp()
     path = root / file
     path.write_text(path.read_text().replace(old, new))
@@ -144,6 +154,7 @@ def test_stamp_changes_with_what_must_be_installed(run, root, file, old, new):
 
 @pytest.mark.parametrize(("name", "value"), [("version", "3.99.0"), ("base_prefix", "/elsewhere")])
 def test_stamp_changes_with_the_interpreter(run, monkeypatch, name, value):
+    """Contract: another digest."""
     before = run.stamp()
     monkeypatch.setattr(run.sys, name, value)
     assert run.stamp() != before
@@ -161,12 +172,14 @@ def test_stamp_changes_with_the_place_of_the_project(run, monkeypatch, root, tmp
 
 
 def test_stamp_is_blind_to_settings_of_tools(run, root):
+    """Contract: the same digest."""
     before = run.stamp()
     (root / "pyproject.toml").write_text(PYPROJECT.replace("120", "100"))
     assert run.stamp() == before
 
 
 def test_set_up_at_once_by_two_happens_once(run, monkeypatch):
+    """Contract: two threads, one set-up."""
     entered, others_turn = threading.Event(), threading.Event()
     steps = Steps(run)
 
@@ -196,6 +209,7 @@ def test_set_up_at_once_by_two_happens_once(run, monkeypatch):
 
 
 def test_lock_is_free_again_when_its_owner_is_done(run, root):
+    """The operating system's lock."""
     with run.only_one(), open(root / ".venv.lock", "w") as other:
         assert not run.try_lock(other)
     with open(root / ".venv.lock", "w") as other:
@@ -203,6 +217,7 @@ def test_lock_is_free_again_when_its_owner_is_done(run, root):
 
 
 def test_place_that_cannot_be_written_is_named(run, monkeypatch, root):
+    """By hand: the text of the error."""
     monkeypatch.setattr(run, "ROOT", root / "absent")
     text = refusal(run.only_one().__enter__)
     assert str(root / "absent") in text
@@ -220,7 +235,8 @@ def test_steps_run_in_the_root_off_stdin_and_stdout(root):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="the toy tool is a shell script")
-def test_tool_gets_its_words_and_stdin_and_its_exit_code_comes_back(run, root):
+def test_tool_gets_its_words_and_returns_its_exit_code(run, root):
+    """A real shell script as tool."""
     run.BIN.mkdir(parents=True)
     tool = run.BIN / "toy"
     tool.write_text('#!/bin/sh\ncat\necho "$1|$2|$PWD"\nexit 7\n')
