@@ -4,7 +4,7 @@
 
 The goal is 3 s of one core for 300 poses. Every function is called once before it is timed, so that no compilation is
 counted. Error rates are those of one sealed set of every effect; `bench/error_rates.py` makes them by the hundred and
-writes the README's table.
+writes the table of `bench/RESULTS.md`.
 """
 
 import importlib.util

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import ecm_fast as ecm
+from bench import results_page
 from bench.separation import beside, standing
 from ecm_fast.data.measurements import Measurements, read_measurements
 from ecm_fast.diagnosis.problem.holdout import lock
@@ -34,8 +35,6 @@ from ecm_fast.testbed.sealed.ground_truth import Truth
 from ecm_fast.testbed.sealed.hide import conditions, hide
 from ecm_fast.testbed.sealed.score import Score, score
 
-README = Path(__file__).resolve().parent.parent / "README.md"
-START, END = "<!-- error rates: written by bench/error_rates.py -->", "<!-- end of error rates -->"
 DESIGNS = {
     "T": "81 tip poses (T)",
     "T+S": "and nine side forces (T+S)",
@@ -415,14 +414,8 @@ def by_effect(scores: list[Graded]) -> dict[str, dict[str, str]]:
     }
 
 
-def rewrite(lines: list[str], path: Path = README) -> None:
-    """Put the table between its marks."""
-    before, rest = path.read_text(encoding="utf-8").split(START)
-    path.write_text("\n".join([before + START, *lines, END]) + rest.split(END)[1], encoding="utf-8")
-
-
 def main(words: list[str] | None = None, diagnose: Diagnose = diagnosed, tell: Tell = told) -> int:
-    """Make what is missing, and write the rates to ``rates.json`` and, if asked, to the README."""
+    """Make what is missing, and write the rates to ``rates.json`` and, if asked, to `bench/RESULTS.md`."""
     args = _arguments(words)
     chosen = tuple(cells(args.groups, args.designs, tuple(args.noises), args.count))
     sets = {
@@ -449,8 +442,8 @@ def main(words: list[str] | None = None, diagnose: Diagnose = diagnosed, tell: T
         return 0
     write_whole(args.folder / "rates.json", json.dumps(summary, indent=1) + "\n")
     print("\n".join(lines))
-    if args.readme:
-        rewrite(lines)
+    if args.write:
+        results_page.put("error_rates", lines)
     return 0
 
 
@@ -475,7 +468,7 @@ def _arguments(words: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--generate-only", action="store_true", help="make the sets, diagnose none")
     parser.add_argument("--grade-only", action="store_true", help="make and diagnose none, take the answers there are")
     parser.add_argument("--forget", action="store_true", help="throw away answers first")
-    parser.add_argument("--readme", action="store_true", help="write the table into README.md")
+    parser.add_argument("--write", action="store_true", help="write the table into bench/RESULTS.md")
     return parser.parse_args(words)
 
 

@@ -1,4 +1,4 @@
-"""Measure accuracy and time, and rewrite the table in README.md.
+"""Measure accuracy and time, and write the table of `bench/RESULTS.md`.
 
     python3 tools/run.py python bench/write_results.py
 
@@ -8,18 +8,16 @@ those of `ratios`; with PyElastica installed (group `peers`) it is timed too.
 """
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import ratios
 from scipy.linalg import solve_banded
 
 import ecm_fast as ecm
+from bench import results_page
 from ecm_fast.models import reference
 from ecm_fast.studies.timing import in_turn, machine
 
-README = Path(__file__).resolve().parent.parent / "README.md"
-START, END = "<!-- table: written by bench/write_results.py -->", "<!-- end of table -->"
 NECK = ecm.Mechanism.preset("slender")
 LOADS = np.random.default_rng(2026).uniform(0.0, 160.0, (2048, 2))
 MODELS = {
@@ -79,10 +77,8 @@ def micro(seconds: float) -> str:
 
 
 def main() -> None:
-    """Rewrite the table between its marks."""
-    before, rest = README.read_text().split(START)
-    after = rest.split(END)[1]
-    README.write_text("\n".join([before + START, *rows(), END]) + after)
+    """Measure, and write the page of results."""
+    results_page.put("times", rows())
 
 
 if __name__ == "__main__":

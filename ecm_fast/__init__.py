@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .data import datasets
     from .data.measurements import Measurements, read_measurements
     from .diagnosis import Diagnosis, Plan, Study, diagnose, plan
     from .errors import EcmError, InputError, NotConverged, OutOfRangeWarning, OutOfReach
@@ -85,13 +86,16 @@ _HOME = {
     "studies.warmup": ("Warmup", "warmup"),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}
+_FOLDER = {"datasets": "data.datasets"}
 
 __version__ = "0.1.0"
-__all__ = [*_MODULE, "__version__"]
+__all__ = [*_MODULE, *_FOLDER, "__version__"]
 
 
 def __getattr__(name: str) -> Any:
     """Load a public name on first use: the command line's help must not wait for the compiler."""
+    if name in _FOLDER:
+        return import_module(f".{_FOLDER[name]}", __name__)
     if name not in _MODULE:
         raise AttributeError(f"module 'ecm_fast' has no attribute {name!r}")
     return getattr(import_module(f".{_MODULE[name]}", __name__), name)
