@@ -120,8 +120,27 @@ class Discretization:
         """Derivative at each Gauss point by the values there of a polynomial that is 0 at 0, (gauss, gauss)."""
         return np.ascontiguousarray(np.linalg.inv(self.turn))
 
+    @cached_property
+    def halved(self) -> "Discretization":
+        """The discretization whose elements are halves of these."""
+        return _kept(tuple(0.5 * share for share in self.shares for _ in range(2)), self.order, self.gauss, self.family)
 
-@lru_cache(maxsize=16)
+    @cached_property
+    def halves(self) -> NDArray[np.float64]:
+        """What an element of `halved` takes over from the Lagrange element that it is half of, (2, 2 p + 1, p + 1).
+
+        For either half the element's shape functions at the nodes of the half, then the polynomials that are 1 at one
+        Gauss point of the element, at the Gauss points of the half; these have a column less, the last is not used.
+        """
+        p, (points, _) = self.order, gauss_rule(self.gauss)
+        table = np.zeros((2, p + 1 + self.gauss, p + 1))
+        for half, begin in enumerate((0.0, 0.5)):
+            table[half, : p + 1] = lagrange(self.local_nodes, begin + 0.5 * self.local_nodes)[0]
+            table[half, p + 1 :, : self.gauss] = lagrange(points, begin + 0.5 * points)[0]
+        return table
+
+
+@lru_cache(maxsize=64)
 def _kept(shares: tuple[float, ...], order: int, gauss: int, family: str) -> Discretization:
     """Return the discretization, whose tables cost more than a model: models of many mechanisms share them."""
     return Discretization(shares, order, gauss, family)

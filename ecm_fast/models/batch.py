@@ -6,25 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kernels.general.batch import solve_many
-from ..kernels.general.newton import solve_work_size
-from ..kernels.layout import L_FX, L_GRAVITY, N_LOADS, N_OUT, N_STATION, N_TIP, O_FACTOR, O_THETA, O_X, O_Z
+from ..kernels.layout import N_OUT, O_FACTOR, O_THETA, O_X, O_Z
 from ..mesh.discretization import Discretization
 from .equilibrium import BatchResult, Status
 from .paths.chain import Chain
 from .paths.condensed import Columns, Condensation, columns, solve_mechanisms
+from .refinement import loads_of, work_arrays
 
-__all__ = ["fast_path", "solve_cases", "work_arrays"]
+__all__ = ["fast_path", "solve_cases"]
 
 Array = NDArray[np.float64]
 # fewer cases than this do not pay for fitting where they start
 WORTH_A_GUESS = 1024
-
-
-def work_arrays(mesh: Discretization) -> tuple[Array, Array, Array, Array, Array]:
-    """Return stations, tip, q_rest, q and the work space of one thread."""
-    n = 3 * mesh.nodes.size
-    work = np.zeros(solve_work_size(mesh.nodes.size, mesh.n_elements, mesh.order))
-    return np.empty((len(mesh.mesh), N_STATION)), np.empty(N_TIP), np.empty(n), np.empty(n), work
 
 
 def fast_path(mesh: Discretization, stations: Array, tip: Array, q_rest: Array) -> Condensation | Chain | None:
@@ -82,8 +75,7 @@ def _finish(
     mesh: Discretization, todo: NDArray[np.intp], par: Array, lam: Array, wrench: Array, out: Columns, factor: Array
 ) -> None:
     """Solve the cases `todo` with the robust solver."""
-    loads = np.ones((todo.size, N_LOADS))
-    loads[:, :L_FX], loads[:, L_FX:L_GRAVITY] = lam[todo], wrench if len(wrench) == 1 else wrench[todo]
+    loads = loads_of(lam[todo], wrench if len(wrench) == 1 else wrench[todo])
     result, verdict = np.empty((todo.size, N_OUT)), np.empty(todo.size, dtype=np.int64)
     own, no_nodes = par if len(par) == 1 else par[todo], np.empty((0, 3 * mesh.nodes.size))
     solve_many(mesh.tables, mesh.mesh, mesh.nodes, own, loads, work_arrays(mesh), result, verdict, no_nodes)

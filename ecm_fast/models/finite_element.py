@@ -9,20 +9,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, shown
 from ..kernels.general.newton import solve
-from ..kernels.general.sensitivity import tip_derivatives
-from ..kernels.layout import N_LOADS, N_OUT, O_FACTOR, O_ITERATIONS, O_THETA, O_X, O_Z
+from ..kernels.layout import N_OUT, O_FACTOR, O_ITERATIONS, O_THETA, O_X, O_Z
 from ..kernels.prepare import prepare
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.vector import pack
 from ..mesh.discretization import Discretization
 from ..mesh.families import find_family
-from .batch import fast_path, solve_cases, work_arrays
+from .batch import fast_path, solve_cases
 from .equilibrium import BatchResult, Equilibrium, Status
 from .inverse import Inverse
 from .loads import last_step, many_loads, one_load, parameter_rows
 from .paths.chain import Chain
 from .paths.condensed import Condensation
 from .paths.general import Step, robust_stepper
+from .refinement import Nodes, finer, jumps, stands, work_arrays
 from .sensitivity import Sensitivities, sensitivities
 
 __all__ = ["FiniteElementModel"]
@@ -40,13 +40,15 @@ class FiniteElementModel:
     Parameters
     ----------
     mechanism : what is built
-    elements : how many elements, or their relative lengths from the clamp; default one
+    elements : how many elements, or their relative lengths from the clamp; default as many as `accuracy` needs
     order : of the shape functions, 1 to 6; default what `accuracy` needs, if the family goes that far
     gauss : Gauss points per element; default as many as neither lock nor waste
     family : ``"lagrange"``, ``"se2"`` or ``"strain"``, see `families`
-    accuracy : largest error of the tip pose, in rad and shares of the length, that the discretization may leave where
-        a mechanism like the presets is driven by tendons up to 160 N or wrenches up to (330 N, 80 N, 11 N m); chooses
-        the order of one element: 3 to 6 for 2e-4, 1e-5, 5e-7 and 1e-8
+    accuracy : largest discretization error of the tip pose, in rad and shares of the length. Starts with one element
+        of the lowest order that keeps it for mechanisms like the presets under tendons up to 160 N or wrenches up to
+        (330 N, 80 N, 11 N m): 3 to 6 for 2e-4, 1e-5, 5e-7 and 1e-8. `solve` and `solve_batch` refine what needs more,
+        order first, then elements. Where elements, order or Gauss points are given, or the family is another than
+        Lagrange's, that discretization is kept: results carry their `error`, and nothing is refined
 
     Notes
     -----
@@ -70,7 +72,7 @@ class FiniteElementModel:
     def __init__(
         self,
         mechanism: Mechanism | None = None,
-        elements: int | ArrayLike = 1,
+        elements: int | ArrayLike | None = None,
         order: int | None = None,
         gauss: int | None = None,
         *,
@@ -78,11 +80,14 @@ class FiniteElementModel:
         accuracy: float = 1e-6,
     ) -> None:
         self.mechanism = Mechanism() if mechanism is None else mechanism
+        by_hand = elements is not None or order is not None or gauss is not None or family != "lagrange"
+        self.accuracy = None if by_hand else accuracy
         if order is None:
             order = min(_order(accuracy), find_family(family).highest_order)
-        self.discretization = Discretization.of(elements, order, gauss, family)
+        self.discretization = Discretization.of(1 if elements is None else elements, order, gauss, family)
         self._par = pack(self.mechanism)
         self._system = work_arrays(self.discretization)
+        self._finer: dict[Discretization, FiniteElementModel] = {}
         stations, tip, q_rest, _, _ = self._system
         self._inverse: tuple[tuple[float, ...], Inverse] | None = None
         prepare(self._par, self.discretization.mesh, self.discretization.nodes, stations, tip, q_rest)
@@ -120,15 +125,31 @@ class FiniteElementModel:
         if bad.any():
             name = ("lam_l", "lam_r", "fx", "fz", "tau")[int(np.argmax(bad))]
             raise InputError(f"{name} = {loads[bad][0]}: allowed is a finite number")
+        eq, mesh = self._solve(loads, self.accuracy), self.discretization
+        if self.accuracy is None:
+            return eq
+        verdict, before, at = eq.verdict, None, jumps(self._par[None])
+        while not stands(verdict, self.accuracy, before):
+            finer_mesh = finer(mesh, verdict[2], self.accuracy, at)
+            if finer_mesh is None:
+                break
+            mesh = finer_mesh
+            eq = self._on(mesh)._solve(loads, self.accuracy)
+            before, verdict = verdict, eq.verdict
+        return eq
+
+    def _on(self, mesh: Discretization) -> "FiniteElementModel":
+        """Return the model of the same mechanism on another discretization."""
+        if mesh not in self._finer:
+            self._finer[mesh] = FiniteElementModel(self.mechanism, mesh.shares, mesh.order)
+        return self._finer[mesh]
+
+    def _solve(self, loads: Array, accuracy: float | None) -> Equilibrium:
+        """Solve one load case on the model's own discretization."""
         stations, tip, q_rest, q, work = self._system
-        tables, out = self.discretization.tables, np.empty(N_OUT)
-        status = Status(solve(tables, stations, tip, q_rest, loads, q, work, out))
-        compliance, jacobian = np.full((3, 3), np.nan), np.full((3, 2), np.nan)
-        if status.converged:
-            n = q.size
-            rest, step = work[2 * n + N_LOADS :], work[:n]
-            tip_derivatives(tables, stations, tip, loads, q, rest, step, compliance, jacobian)
-        else:
+        out = np.empty(N_OUT)
+        status = Status(solve(self.discretization.tables, stations, tip, q_rest, loads, q, work, out))
+        if not status.converged:
             out[[O_X, O_Z, O_THETA]] = np.nan
         return Equilibrium(
             x=float(out[O_X]),
@@ -137,10 +158,9 @@ class FiniteElementModel:
             status=status,
             iterations=int(out[O_ITERATIONS]),
             load_factor=float(out[O_FACTOR]),
-            jacobian=jacobian,
-            compliance=compliance,
-            q=q.copy(),
             discretization=self.discretization,
+            accuracy=accuracy,
+            solution=Nodes(self.discretization, self._par, loads * (1.0 if status.converged else out[O_FACTOR]), q.copy()),
         )
 
     def solve_batch(
@@ -275,8 +295,9 @@ class FiniteElementModel:
     def __repr__(self) -> str:
         mesh = self.discretization
         kind = "" if mesh.family == "lagrange" else f"{mesh.family} "
+        promise = "" if self.accuracy is None else f", refined to {self.accuracy:g} where needed"
         elements = f"{mesh.n_elements} {kind}element(s) of order {mesh.order}, {mesh.gauss} Gauss points each"
-        return f"FiniteElementModel({elements})"
+        return f"FiniteElementModel({elements}{promise})"
 
 
 def _order(accuracy: float) -> int:

@@ -7,16 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..kernels.general.batch import solve_many
 from ..kernels.general.newton import solve_work_size
 from ..kernels.general.sensitivity import pose_sensitivities
-from ..kernels.layout import L_FX, L_GRAVITY, N_LOADS, N_OUT, N_STATION, N_TIP
+from ..kernels.layout import N_STATION, N_TIP
 from ..mechanism.catalogue import CATALOGUE
 from ..mechanism.parameters import PLACES, find, index
 from ..mechanism.sections import STIFFNESSES
 from ..mesh.discretization import Discretization
 from .equilibrium import Status
-from .paths.condensed import solve_nodes
+from .refinement import loads_of, solutions
 
 __all__ = ["Sensitivities", "sensitivities"]
 
@@ -77,30 +76,19 @@ def sensitivities(
     names : of parameters, ``EA`` or ``beam.EA``
     par : (1 or n, n_parameters), lam : (n, 2), wrench : (1 or n, 3), last2 : largest squared last Newton step
     """
-    n, k, unknown = len(lam), len(names), 3 * mesh.nodes.size
-    q, status = np.empty((n, unknown)), np.full(n, Status.NOT_CONVERGED, dtype=np.int64)
-    loads = np.ones((n, N_LOADS))
-    loads[:, :L_FX], loads[:, L_FX:L_GRAVITY] = lam, wrench
-    solve_nodes(mesh, par, lam, wrench, last2, q, status)
-    todo = np.flatnonzero(status != Status.CONVERGED)
-    if todo.size:
-        own, verdict, nodes = par if len(par) == 1 else par[todo], status[todo], q[todo]
-        work = np.zeros(solve_work_size(mesh.nodes.size, mesh.n_elements, mesh.order))
-        system = *_constants(mesh, ()), np.empty(unknown), work
-        solve_many(
-            mesh.tables, mesh.mesh, mesh.nodes, own, loads[todo], system, np.empty((todo.size, N_OUT)), verdict, nodes
-        )
-        status[todo], q[todo] = verdict, nodes
+    n, k = len(lam), len(names)
+    found = solutions(mesh, par, lam, wrench, last2)
     plain = mesh.family == "lagrange" and not (par[:, _FURTHER].any() or par[:, len(PLACES) :].any())
     stiffness, others, columns = _sort(names, plain=plain)
     out = np.empty((n, 3)), np.empty((n, 3, 2)), np.empty((n, 3, 3)), np.empty((n, 3, k))
     real, complex_ = _work(mesh, others.size)
     c_par = np.zeros(par.shape[1], dtype=complex)
+    solved = loads_of(lam, wrench), found.q, found.status
     pose_sensitivities(
-        mesh.tables, mesh.mesh, mesh.nodes, par, stiffness, others, loads, q, status, real, (c_par, *complex_), *out
+        mesh.tables, mesh.mesh, mesh.nodes, par, stiffness, others, *solved, real, (c_par, *complex_), *out
     )
     pose, jacobian, compliance, by = out
-    return Sensitivities(pose, jacobian, compliance, by[:, :, columns], tuple(names), status)
+    return Sensitivities(pose, jacobian, compliance, by[:, :, columns], tuple(names), found.status)
 
 
 def _sort(names: Sequence[str], *, plain: bool) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:

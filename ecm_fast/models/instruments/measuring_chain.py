@@ -16,8 +16,9 @@ from ...kernels.prepare import prepare
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.parameters import PARAMETERS, PLACES, find, index
 from ...mesh.discretization import Discretization
-from ..batch import fast_path, solve_cases, work_arrays
+from ..batch import fast_path, solve_cases
 from ..equilibrium import BatchResult
+from ..refinement import work_arrays
 from ..sensitivity import Sensitivities, sensitivities
 from .history import TARGETS, History, Record, is_on_path, on_path
 

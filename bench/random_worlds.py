@@ -1,0 +1,82 @@
+"""Random mechanisms and loads, and what every way of solving says of them against finer meshes.
+
+    python3 tools/run.py python bench/random_worlds.py --count 20000 [--seed 0] [--first 0]
+
+A world is a mechanism of any length from 1 mm to 10 m, its stiffnesses spread over six decades, with no effect, one or
+two at 0.1 to 10 times their typical size, and one load that bends it anywhere from hardly to many times round.
+World i of a seed is always the same, so a run can be cut into chunks.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecm_fast.mechanism.catalogue import CATALOGUE
+from ecm_fast.mechanism.mechanism import Mechanism
+from ecm_fast.mechanism.parameters import find, pack
+from ecm_fast.mechanism.quantity import Quantity
+
+Array = NDArray[np.float64]
+
+# log10 of the ranges: length [m], EI [N m^2], EA and GA in EI/L^2, forces in EI/L^2
+LENGTH, BENDING, STIFFNESS, FORCE = (-3.0, 1.0), (-3.0, 3.0), (0.0, 6.0), (-3.0, 2.0)
+# effects that the statics of one load know: neither the camera's nor those of what came before
+STATIC = [effect for effect in CATALOGUE.values() if effect.enters not in ("camera", "path")]
+UNITS = {
+    "-": (0, 0), "rad": (0, 0), "m": (1, 0), "1/m": (-1, 0), "m^2": (2, 0), "1/m^2": (-2, 0), "N": (0, 1),
+    "N/m": (-1, 1), "N m/rad": (1, 1), "rad/(N m)": (-1, -1), "m/N": (1, -1), "kg": (0, 1), "kg/m": (-1, 1),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class World:
+    """One random mechanism under one random load."""
+
+    mechanism: Mechanism
+    lam: Array
+    wrench: Array
+
+
+def world(seed: int, i: int) -> World:
+    """Return world `i` of a seed."""
+    rng = np.random.default_rng([seed, i])
+    length, EI = 10.0 ** rng.uniform(*LENGTH), 10.0 ** rng.uniform(*BENDING)
+    unit = EI / length**2
+    size = unit * 10.0 ** rng.uniform(*FORCE)
+    weight, beam_weight = unit * 10.0 ** rng.uniform(-3.0, 1.0, 2) * rng.integers(0, 2, 2) / 9.81
+    half = length * 10.0 ** rng.uniform(-1.0, 0.0)
+    drawn = {
+        "beam.length": length, "beam.EI": EI, "beam.EA": unit * 10.0 ** rng.uniform(*STIFFNESS),
+        "beam.GA": unit * 10.0 ** rng.uniform(*STIFFNESS), "beam.mass_per_length": beam_weight / length,
+        "head.mass": weight, "head.h": length * rng.uniform(0.0, 0.5), "head.b": length * rng.uniform(-0.1, 0.1),
+        "tendons.plate_half_width": half, "tendons.pulley_x": length * rng.uniform(-0.5, 0.3),
+        "tendons.pulley_z": half * 10.0 ** rng.uniform(-0.3, 0.3),
+        "tendons.pulley_radius": 0.2 * half * rng.uniform(0.0, 1.0) * rng.integers(0, 2),
+    }  # fmt: skip
+    neck = Mechanism()
+    drawn = {key: float(np.clip(value, find(key).lower, find(key).upper)) for key, value in drawn.items()}
+    law = ("neo-hookean", "hooke")[rng.integers(0, 2)]
+    effects: dict[str, float] = {}
+    for k in rng.choice(len(STATIC), rng.integers(0, 3), replace=False):
+        for n, entry in enumerate(STATIC[k]):
+            effects[entry.key] = _drawn(entry, n == 0, length / neck.beam.length, unit, rng)
+    kind = rng.integers(0, 3)  # tendons, a wrench, or both
+    lam = size * rng.uniform(0.0, 1.0, 2) if kind != 1 else np.zeros(2)
+    wrench = size * rng.uniform(-1.0, 1.0, 3) * [1.0, 1.0, length] if kind != 0 else np.zeros(3)
+    return World(neck.replace(axial_law=law, **drawn, **effects), lam, wrench)
+
+
+def _drawn(entry: Quantity, is_size: bool, scale: float, unit: float, rng: np.random.Generator) -> float:
+    """Return a value of an effect's parameter, in units of the world's own length and force."""
+    by_length, by_force = UNITS[entry.unit]
+    factor = scale**by_length * (unit / (3.0 / 0.109**2)) ** by_force
+    sign = 1.0 if entry.lower >= 0.0 else float(rng.choice([-1.0, 1.0]))
+    value = sign * entry.typical * 10.0 ** rng.uniform(-1.0, 1.0) if is_size else entry.default
+    return float(np.clip(value * factor, entry.lower, entry.upper))
+
+
+def arrays(worlds: list[World]) -> tuple[Array, Array, Array]:
+    """Return parameter vectors (n, n_parameters), tendon forces (n, 2) and wrenches (n, 3)."""
+    par = np.stack([pack(each.mechanism) for each in worlds])
+    return par, np.stack([each.lam for each in worlds]), np.stack([each.wrench for each in worlds])

@@ -1,0 +1,240 @@
+"""Discretization error of many equilibria, and the discretizations that keep an accuracy.
+
+A case is refined in order first, then in elements, until its estimated error keeps the accuracy. Elements end where the
+stiffness jumps: inside an element a jump leaves an error that falls only slowly with its length.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels.general.batch import solve_many
+from ..kernels.general.error import tip_errors
+from ..kernels.general.newton import solve_work_size
+from ..kernels.general.sensitivity import tip_derivatives
+from ..kernels.layout import L_FX, L_GRAVITY, N_LOADS, N_OUT, N_STATION, N_TIP, O_FACTOR, O_THETA, O_X, O_Z
+from ..kernels.prepare import prepare
+from ..mechanism.parameters import PLACES
+from ..mesh.discretization import Discretization
+from .equilibrium import Status
+from .paths.condensed import solve_nodes
+
+__all__ = ["Nodes", "Solutions", "errors", "finer", "jumps", "loads_of", "solutions", "solve_refined", "stands", "work_arrays"]
+
+Array = NDArray[np.float64]
+HIGHEST_ORDER, MOST_ELEMENTS = 6, 256
+# the error of order 6 falls by 2^12 where elements are halved, in theory; 2^6 is counted on
+FALL = 6.0
+# errors above this are no measure of how much finer the elements must be
+ROUGH = 1e-2
+# a branch ends where the discretization error of its last equilibrium is below this, or where two discretizations
+# differ by no more than this share of the load: near its end the tangent is singular, and the estimate large
+BRANCH_END = 1e-3
+# more different places of jumps than this in one batch: no element ends at them
+MOST_JUMPS = 8
+
+
+Verdict = tuple[Any, Any, Any]
+"""Status, load factor and estimated error of one case, or of many, (n,) each."""
+
+
+class Solutions(NamedTuple):
+    """Many solved cases with all their nodes.
+
+    Attributes
+    ----------
+    q : (n, 3 n_nodes) the equilibrium, or the last one found on the branch
+    status : (n,) values of `Status`
+    pose : (n, 3) of the tip, that of the last one found on the branch where there is no equilibrium [m, m, rad]
+    load_factor : (n,) see `Equilibrium`
+    """
+
+    q: Array
+    status: NDArray[np.int64]
+    pose: Array
+    load_factor: Array
+
+
+def work_arrays(mesh: Discretization) -> tuple[Array, Array, Array, Array, Array]:
+    """Return stations, tip, q_rest, q and the work space of one thread."""
+    n = 3 * mesh.nodes.size
+    work = np.zeros(solve_work_size(mesh.nodes.size, mesh.n_elements, mesh.order))
+    return np.empty((len(mesh.mesh), N_STATION)), np.empty(N_TIP), np.empty(n), np.empty(n), work
+
+
+def loads_of(lam: Array, wrench: Array) -> Array:
+    """Return the kernels' loads of many cases, (n, N_LOADS)."""
+    loads = np.ones((len(lam), N_LOADS))
+    loads[:, :L_FX], loads[:, L_FX:L_GRAVITY] = lam, wrench
+    return loads
+
+
+def solutions(mesh: Discretization, par: Array, lam: Array, wrench: Array, last2: float) -> Solutions:
+    """Solve many cases into their nodes.
+
+    par : (1 or n, n_parameters), lam : (n, 2), wrench : (1 or n, 3), last2 : largest squared last Newton step
+    """
+    n = len(lam)
+    q, status = np.empty((n, 3 * mesh.nodes.size)), np.full(n, Status.NOT_CONVERGED, dtype=np.int64)
+    factor = np.ones(n)
+    solve_nodes(mesh, par, lam, wrench, last2, q, status)
+    pose = q[:, -3:].copy()
+    todo = np.flatnonzero(status != Status.CONVERGED)
+    if todo.size:
+        own, loads = par if len(par) == 1 else par[todo], loads_of(lam, wrench)[todo]
+        out, verdict, nodes = np.empty((todo.size, N_OUT)), status[todo], q[todo]
+        solve_many(mesh.tables, mesh.mesh, mesh.nodes, own, loads, work_arrays(mesh), out, verdict, nodes)
+        status[todo], q[todo], factor[todo] = verdict, nodes, out[:, O_FACTOR]
+        pose[todo] = out[:, [O_X, O_Z, O_THETA]]
+    return Solutions(q, status, pose, factor)
+
+
+def errors(mesh: Discretization, par: Array, loads: Array, found: Solutions) -> Array:
+    """Estimate the discretization errors of the tip poses, (n,), in rad and shares of the length.
+
+    par : (1 or n, n_parameters), loads : (n, N_LOADS)
+
+    Where there is no equilibrium at full load, that of the last one on the branch: how far its end is to be trusted.
+    Families without a kernel for it are solved again on elements of half the length.
+    """
+    half = mesh.halved
+    at = loads * np.where(found.status <= Status.UNSTABLE, 1.0, found.load_factor)[:, None]
+    if mesh.family == "lagrange" and mesh.gauss == mesh.order:
+        error, known = np.empty(len(loads)), np.zeros(len(loads), dtype=np.int64)
+        tip_errors(
+            mesh.tables, mesh.halves, half.mesh, half.nodes, par, at, found.q, known, work_arrays(half), error
+        )
+        return error
+    again = np.empty((len(loads), N_OUT))
+    status, no_nodes = np.empty(len(loads), dtype=np.int64), np.empty((0, 3 * half.nodes.size))
+    solve_many(half.tables, half.mesh, half.nodes, par, at, work_arrays(half), again, status, no_nodes)
+    length = (par[:, PLACES.beam_length] + par[:, PLACES.effects_beam_length])[:, None]
+    off = np.abs(again[:, [O_X, O_Z, O_THETA]] - found.pose) / np.hstack([length, length, np.ones_like(length)])
+    # as the kernel: twice what halving changes
+    return np.where(status <= Status.UNSTABLE, 2.0 * off.max(axis=1), np.inf)
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """One solved case by all its nodes, see `equilibrium.Solution`.
+
+    Attributes
+    ----------
+    mesh : the discretization
+    par : (n_parameters,) the mechanism
+    loads : (N_LOADS,) those at which `q` is in equilibrium
+    q : (3 n_nodes,)
+    """
+
+    mesh: Discretization
+    par: Array
+    loads: Array
+    q: Array
+
+    def nodes(self) -> Array:
+        """Return all nodes, (3 n_nodes,)."""
+        return self.q
+
+    def derivatives(self) -> tuple[Array, Array]:
+        """Return jacobian (3, 2) and compliance (3, 3)."""
+        mesh, (stations, tip, q_rest, step, work) = self.mesh, work_arrays(self.mesh)
+        jacobian, compliance = np.empty((3, 2)), np.empty((3, 3))
+        prepare(self.par, mesh.mesh, mesh.nodes, stations, tip, q_rest)
+        tip_derivatives(mesh.tables, stations, tip, self.loads, self.q, work, step, compliance, jacobian)
+        return jacobian, compliance
+
+    def error(self) -> float:
+        """Return the estimated discretization error of the tip pose."""
+        found = Solutions(self.q[None], np.zeros(1, dtype=np.int64), self.q[None, -3:], np.ones(1))
+        return float(errors(self.mesh, self.par[None], self.loads[None], found)[0])
+
+
+def jumps(par: Array) -> tuple[float, ...]:
+    """Return where the stiffness of any mechanism jumps, as shares of the length; none where they are too many.
+
+    par : (n, n_parameters)
+    """
+    spots = par[par[:, PLACES.effects_soft_spot_size] != 0.0]
+    length = spots[:, PLACES.beam_length] + spots[:, PLACES.effects_beam_length]
+    middle, half = spots[:, PLACES.effects_soft_spot_place], 0.5 * spots[:, PLACES.effects_soft_spot_width] / length
+    ends = np.unique(np.concatenate([middle - half, middle + half]))
+    inside = ends[(ends > 1e-6) & (ends < 1.0 - 1e-6)]
+    return tuple(inside.tolist()) if inside.size <= MOST_JUMPS else ()
+
+
+def finer(mesh: Discretization, error: float, accuracy: float, at: tuple[float, ...] = ()) -> Discretization | None:
+    """Return the next finer discretization to try; None where there is none.
+
+    error : estimated on `mesh`; at : shares of the length where elements end, see `jumps`
+    """
+    if mesh.n_elements == 1 and mesh.order < HIGHEST_ORDER and not at and error < ROUGH:
+        return Discretization.of(1, mesh.order + 1 if error < 30.0 * accuracy else HIGHEST_ORDER)
+    if mesh.n_elements >= MOST_ELEMENTS:
+        return None
+    halvings = np.log2(error / accuracy) / FALL if accuracy < error < ROUGH and mesh.order == HIGHEST_ORDER else 1.0
+    longest = max(mesh.shares) if mesh.n_elements > 1 or not at else 1.0
+    longest *= 0.5 ** int(np.clip(np.ceil(halvings), 1, 3))
+    pieces = np.diff([0.0, *at, 1.0])
+    counts = np.ceil(pieces / longest * (1.0 - 1e-9)).astype(int)
+    return Discretization.of(np.repeat(pieces / counts, counts), HIGHEST_ORDER)
+
+
+def stands(verdict: Verdict, accuracy: float, before: Verdict | None = None) -> NDArray[np.bool_]:
+    """Return where a verdict stands, (n,): the error keeps the accuracy, or the branch ends for certain.
+
+    before : of a coarser discretization
+    """
+    status, factor, error = verdict
+    found = np.less_equal(status, Status.UNSTABLE)
+    sure = np.less_equal(error, np.where(found, accuracy, BRANCH_END))
+    if before is not None:
+        same = np.equal(status, before[0]) & (np.abs(np.subtract(factor, before[1])) < BRANCH_END)
+        sure |= same & ~found
+    return np.asarray(sure)
+
+
+def solve_refined(
+    mesh: Discretization,
+    par: Array,
+    lam: Array,
+    wrench: Array,
+    last2: float,
+    accuracy: float,
+    found: Verdict,
+) -> tuple[Array, NDArray[np.int64], Array, Array]:
+    """Solve cases on ever finer discretizations until the estimated error keeps the accuracy, or none is left.
+
+    Parameters
+    ----------
+    mesh : where they were solved last
+    found : status, load factor and estimated error there, (n,) each
+    par : (1 or n, n_parameters), lam : (n, 2), wrench : (1 or n, 3), last2 : largest squared last Newton step
+
+    Returns
+    -------
+    Pose (n, 3), status (n,), load factor (n,) and error (n,).
+    """
+    n = len(lam)
+    pose, at = np.empty((n, 3)), jumps(par)
+    status, factor, error = (column.copy() for column in found)
+    wrench = np.broadcast_to(wrench, (n, 3))
+    todo, meshes = np.arange(n), np.array([mesh] * n, dtype=object)
+    while todo.size:
+        waiting: dict[Discretization, list[int]] = {}
+        for i in todo:
+            next_ = finer(meshes[i], float(error[i]), accuracy, at)
+            if next_ is not None:
+                waiting.setdefault(next_, []).append(int(i))
+        left: list[int] = []
+        for next_, rows in waiting.items():
+            own = par if len(par) == 1 else par[rows]
+            new = solutions(next_, own, lam[rows], wrench[rows], last2)
+            estimate = errors(next_, own, loads_of(lam[rows], wrench[rows]), new)
+            verdict = new.status, new.load_factor, estimate
+            sure = stands(verdict, accuracy, (status[rows], factor[rows], error[rows]))
+            pose[rows], (status[rows], factor[rows], error[rows]), meshes[rows] = new.pose, verdict, next_
+            left += np.asarray(rows)[~sure].tolist()
+        todo = np.array(sorted(left), dtype=np.intp)
+    return pose, status, factor, error
