@@ -74,7 +74,7 @@ class Equilibrium:
     discretization : what it was solved on; finer than the model's where the accuracy asked for needs that
     accuracy : the discretization error that was asked for, in rad and shares of the length; None where the
         discretization was given by hand
-    error : estimate of the discretization error: the largest of \|dx\|/L, \|dz\|/L and \|dtheta\|; nan unless
+    error : estimate of the discretization error: the largest of abs(dx)/L, abs(dz)/L and abs(dtheta); nan unless
         `converged`. Over random mechanisms and loads the true error is below it in 99 %
     jacobian : (3, 2) d(x, z, theta)/d(lam_l, lam_r) [m/N, m/N, rad/N]; nan for a slack tendon whose attachment lies
         inside its pulley, since it has no direction

@@ -151,6 +151,7 @@ class FiniteElementModel:
         status = Status(solve(self.discretization.tables, stations, tip, q_rest, loads, q, work, out))
         if not status.converged:
             out[[O_X, O_Z, O_THETA]] = np.nan
+            loads = loads * out[O_FACTOR]
         return Equilibrium(
             x=float(out[O_X]),
             z=float(out[O_Z]),
@@ -160,7 +161,7 @@ class FiniteElementModel:
             load_factor=float(out[O_FACTOR]),
             discretization=self.discretization,
             accuracy=accuracy,
-            solution=Nodes(self.discretization, self._par, loads * (1.0 if status.converged else out[O_FACTOR]), q.copy()),
+            solution=Nodes(self.discretization, self._par, loads, q.copy()),
         )
 
     def solve_batch(

@@ -21,7 +21,18 @@ from ..mesh.discretization import Discretization
 from .equilibrium import Status
 from .paths.condensed import solve_nodes
 
-__all__ = ["Nodes", "Solutions", "errors", "finer", "jumps", "loads_of", "solutions", "solve_refined", "stands", "work_arrays"]
+__all__ = [
+    "Nodes",
+    "Solutions",
+    "errors",
+    "finer",
+    "jumps",
+    "loads_of",
+    "solutions",
+    "solve_refined",
+    "stands",
+    "work_arrays",
+]
 
 Array = NDArray[np.float64]
 HIGHEST_ORDER, MOST_ELEMENTS = 6, 256
@@ -116,7 +127,7 @@ def errors(mesh: Discretization, par: Array, loads: Array, found: Solutions) -> 
     return np.where(status <= Status.UNSTABLE, 2.0 * off.max(axis=1), np.inf)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Nodes:
     """One solved case by all its nodes, see `equilibrium.Solution`.
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
+from scipy.special import ellipe, ellipeinc, ellipkinc, ellipkm1
 
 from ecm_fast import FiniteElementModel, Mechanism
 
@@ -16,15 +16,15 @@ def elastica(alpha):
 
     Elliptic integrals: sqrt(alpha) = K(m) - F(phi, m) with m = (1 + sin theta)/2 and sin(phi)^2 = 1/(2 m), see the
     head of `tables/elastica_transverse_tip_load.csv`. Under Hooke's law with EA = GA the tip is P L/EA farther. The
-    unknown is log(1 - m): a far bend's tip stands within 1e-13 of a right angle.
+    unknown is log(1 - m): a far bend's tip stands within 1e-13 of a right angle, or nearer.
     """
 
     def rest(log_m1):
         m1 = np.exp(log_m1)
         phi = np.arcsin(np.sqrt(0.5 / (1.0 - m1)))
-        return ellipk(1.0 - m1) - ellipkinc(phi, 1.0 - m1) - np.sqrt(alpha)
+        return ellipkm1(m1) - ellipkinc(phi, 1.0 - m1) - np.sqrt(alpha)
 
-    m = 1.0 - np.exp(brentq(rest, np.log(1e-15), np.log(0.5 - 1e-12), xtol=1e-15))
+    m = 1.0 - np.exp(brentq(rest, np.log(1e-40), np.log(0.5 - 1e-12), xtol=1e-15))
     phi = np.arcsin(np.sqrt(0.5 / m))
     deflection = 1.0 - 2.0 * (ellipe(m) - ellipeinc(phi, m)) / np.sqrt(alpha)
     along = np.sqrt(2.0 * (2.0 * m - 1.0) / alpha)
