@@ -114,9 +114,7 @@ def errors(mesh: Discretization, par: Array, loads: Array, found: Solutions) -> 
     at = loads * np.where(found.status <= Status.UNSTABLE, 1.0, found.load_factor)[:, None]
     if mesh.family == "lagrange" and mesh.gauss == mesh.order:
         error, known = np.empty(len(loads)), np.zeros(len(loads), dtype=np.int64)
-        tip_errors(
-            mesh.tables, mesh.halves, half.mesh, half.nodes, par, at, found.q, known, work_arrays(half), error
-        )
+        tip_errors(mesh.tables, mesh.halves, half.mesh, half.nodes, par, at, found.q, known, work_arrays(half), error)
         return error
     again = np.empty((len(loads), N_OUT))
     status, no_nodes = np.empty(len(loads), dtype=np.int64), np.empty((0, 3 * half.nodes.size))
