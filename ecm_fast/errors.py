@@ -11,8 +11,10 @@
 Kernels never raise: they return a status, and `Equilibrium.raise_if_failed` is where it becomes an exception.
 """
 
+import math
 from collections.abc import Iterable
 from difflib import get_close_matches
+from numbers import Real
 
 __all__ = [
     "EcmError",
@@ -22,6 +24,7 @@ __all__ = [
     "OutOfReach",
     "did_you_mean",
     "key_shown",
+    "real",
     "shown",
     "why",
 ]
@@ -45,6 +48,16 @@ class NotConverged(EcmError):  # noqa: N818  the name says what happened, as `St
 
 class OutOfRangeWarning(UserWarning):
     """A fitted polynomial is asked about what it was not trained on; the text says what leaves the range, how far."""
+
+
+def real(name: str, value: object) -> float:
+    """Return an argument that must be one number as a float, or raise `InputError` that names it."""
+    if not isinstance(value, Real) or isinstance(value, bool):
+        raise InputError(f"{name} = {shown(value)}: allowed is a number")
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
 
 
 def did_you_mean(word: str, allowed: Iterable[str]) -> str:

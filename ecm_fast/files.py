@@ -13,9 +13,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from .errors import InputError, why
+from .errors import InputError, shown, why
 
-__all__ = ["csv_text", "inputs_kept", "plain", "read_whole", "refuse_input", "write_whole"]
+__all__ = ["check_form", "csv_text", "inputs_kept", "plain", "read_whole", "refuse_input", "write_whole"]
 
 MOST_BYTES = 1 << 30
 """Largest input file: ten million rows of CSV; what is larger is no file of measurements, and fills the memory."""
@@ -153,3 +153,59 @@ def plain(value: Any) -> Any:
     if isinstance(value, os.PathLike):
         return str(value)
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def check_form(value: Any, form: Any, name: str = "") -> None:
+    """See that a value from a JSON file has a form.
+
+    Parameters
+    ----------
+    form : a type; None; a list with the form of every entry; a dict with the forms of its keys, of which one that ends
+        with a question mark may be missing, and ``"*"`` stands for all others; or a tuple of forms that are allowed
+    name : of the value, for the message
+
+    Raises
+    ------
+    InputError : it has another one; names the first place where, and what is there.
+    """
+    if isinstance(form, tuple):
+        if not any(_has_form(value, each) for each in form):
+            raise _misfit(name, value)
+    elif isinstance(form, list):
+        if not isinstance(value, list):
+            raise _misfit(name, value)
+        for i, entry in enumerate(value):
+            check_form(entry, form[0], f"{name}[{i}]")
+    elif isinstance(form, dict):
+        if not isinstance(value, dict):
+            raise _misfit(name, value)
+        for key in form:
+            if key != "*" and not key.endswith("?") and key not in value:
+                raise InputError(f"{name} has no {shown(key)}".lstrip())
+        for key, entry in value.items():
+            own = form.get(key, form.get(f"{key}?", form.get("*")))
+            if own is not None:
+                check_form(entry, own, f"{name}.{key}" if name else key)
+    elif not _is_a(value, form):
+        raise _misfit(name, value)
+
+
+def _has_form(value: Any, form: Any) -> bool:
+    try:
+        check_form(value, form)
+    except InputError:
+        return False
+    return True
+
+
+def _is_a(value: Any, form: type | None) -> bool:
+    """Tell whether a value is of a type; a float is any finite number that is no truth value."""
+    if form is None:
+        return value is None
+    if form is float:
+        return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e308
+    return isinstance(value, form)
+
+
+def _misfit(name: str, value: Any) -> InputError:
+    return InputError(f"{name or 'the whole'} = {shown(value)}: not what such a file has there")

@@ -34,6 +34,7 @@ from . import (
 )
 from ._arguments import parse
 from ._command import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED
+from ._interrupt import interrupts_after_imports
 from ._terminal import note, write
 
 __all__ = ["COMMANDS", "main"]
@@ -65,11 +66,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     # matrices are small here: threads of the linear algebra library would only fight over the cores
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
-        with inputs_kept():
+        with inputs_kept(), interrupts_after_imports():
             return _run(list(sys.argv[1:] if argv is None else argv))
-    except SystemExit:  # argparse has printed the help or the version
-        write(sys.stdout, "")
-        return DONE
     except InputError as error:
         return _failed(str(error), BAD_INPUT)
     except NotConverged as error:
@@ -89,8 +87,22 @@ def _as_json(answer: object) -> str:
     return json.dumps(plain(answer), allow_nan=False)
 
 
+def _check_environment() -> None:
+    """Complain about settings of numba under which no kernel runs as it should."""
+    jit, threads = (os.environ.get(f"NUMBA_{name}", "").strip() for name in ("DISABLE_JIT", "NUM_THREADS"))
+    if jit not in ("", "0"):
+        raise InputError(f"NUMBA_DISABLE_JIT={jit} in the environment: the kernels run compiled alone; unset it")
+    if threads and not (threads.isdecimal() and int(threads) > 0):
+        raise InputError(f"NUMBA_NUM_THREADS={threads} in the environment: allowed is 1 or more; unset it")
+
+
 def _run(words: list[str]) -> int:
-    args = parse(words, COMMANDS)
+    try:
+        args = parse(words, COMMANDS)
+    except SystemExit:  # argparse has printed the help or the version
+        write(sys.stdout, "")
+        return DONE
+    _check_environment()
     if args.plugin:
         _load(args.plugin)
     answer = COMMANDS[args.command].run(args)

@@ -6,13 +6,20 @@ import sys
 import time
 from typing import TextIO
 
+from ..errors import InputError, why
+
 __all__ = ["Waiting", "note", "write"]
 
 _PATIENCE = 1.0  # seconds that nobody needs to be told about
 
 
 def write(stream: TextIO | None, text: str) -> None:
-    """Write and flush. A reader that has gone away (``| head``) is no error: the rest goes nowhere."""
+    """Write and flush. A reader that has gone away (``| head``) is no error: the rest goes nowhere.
+
+    Raises
+    ------
+    InputError : stdout cannot be written, as on a full disk; names the system's reason.
+    """
     if stream is None:  # closed by the caller, as in ``>&-``
         return
     encoding = stream.encoding or "utf-8"
@@ -24,7 +31,7 @@ def write(stream: TextIO | None, text: str) -> None:
         # what is still in the buffer would be tried again, and complained about, at the interpreter's end
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
         if stream is not sys.stderr and not isinstance(error, BrokenPipeError):
-            raise
+            raise InputError(f"stdout: cannot be written ({why(error)})") from None
 
 
 def note(text: str) -> None:

@@ -5,9 +5,8 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..data.columns import CAMERA_SIGMA
-from ..errors import InputError, shown, why
-from ..files import read_whole
+from ..errors import InputError, why
+from ..files import check_form, read_whole
 from ._arguments import EXAMPLES, count, finite_number, numbers_by_name
 from ._command import Answer, Command, saved
 
@@ -15,6 +14,15 @@ if TYPE_CHECKING:
     from ..diagnosis.design.next_loads import NextLoads
 
 __all__ = ["COMMAND"]
+
+_MODEL = {"names": [str], "in_set": bool, "refused": str, "behind": float}
+_RESULT = {
+    "inputs": {"mechanism": (str, None), "data": [str], "priors": {"*": [float]}, "noise?": {"*": float}},
+    "models": [_MODEL],
+    "noise": {"sigma": [(float, None)], "force": (float, None)},
+    "transfer?": [{"rivals?": [{"name": str, "carries_over": bool}]}],
+}
+"""What is read of the result of a diagnosis, see `check_form`."""
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,6 +47,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
+    from ..data.columns import CAMERA_SIGMA
     from ..data.measurements import read_measurements
     from ..diagnosis.design.load_pool import ADD_ONS
     from ..diagnosis.design.next_loads import Pool, in_question, next_loads, rivals_of
@@ -67,16 +76,25 @@ def _run(args: argparse.Namespace) -> Answer:
 def _read(path: str) -> dict[str, Any]:
     place = Path(path) / "diagnose.json" if Path(path).is_dir() else Path(path)
     try:
-        result = json.loads(read_whole(place))
+        result: dict[str, Any] = json.loads(read_whole(place))
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{place}: cannot be read as the result of a diagnosis ({why(error)}); "
                          f"ecm-fast diagnose DATA --out DIR writes DIR/diagnose.json") from None  # fmt: skip
-    missing = [name for name in ("inputs", "models", "noise") if not isinstance(result, dict) or name not in result]
-    if missing:
-        raise InputError(
-            f"{path}: has no {shown(missing[0])}; allowed is diagnose.json as diagnose --out DIR writes it"
-        )
-    return dict(result)
+    try:
+        check_form(result, _RESULT)
+        for name, prior in result["inputs"]["priors"].items():
+            _count(f"inputs.priors.{name}", prior, 2)
+        _count("noise.sigma", result["noise"]["sigma"], 3)
+        if not result["inputs"]["data"]:
+            raise InputError("inputs.data is empty")
+    except InputError as error:
+        raise InputError(f"{path}: {error}; allowed is diagnose.json as diagnose --out DIR writes it") from None
+    return result
+
+
+def _count(name: str, values: list[Any], count: int) -> None:
+    if len(values) != count:
+        raise InputError(f"{name} has {len(values)} numbers in the place of {count}")
 
 
 def _text(found: "NextLoads", alone: bool) -> str:

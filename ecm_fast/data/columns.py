@@ -39,6 +39,10 @@ _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
 
 
+_LARGEST = {"m": 1e3, "rad": 1e3, "N": 1e6, "Nm": 1e6, "s": 1e12, "kg": 1e6}
+"""Largest size of a value by its SI unit, far beyond any neck: what is larger is a slip, and its square no number."""
+
+
 @dataclass(frozen=True, slots=True)
 class Column:
     """One quantity a file may give, row by row.
@@ -64,6 +68,11 @@ class Column:
         return [f"{self.name}_{unit}" for unit in self.units] or [self.name]
 
     @property
+    def largest(self) -> float:
+        """Largest size of a value, in SI."""
+        return _LARGEST[next(iter(self.units))]
+
+    @property
     def allowed(self) -> str:
         """What a cell may hold, in words."""
         bound = "" if self.lower == -math.inf else f" >= {self.lower:g}"
@@ -79,8 +88,10 @@ class Column:
                     bad[i] = f"blank (allowed is {self.allowed}; write {self.absent:g} for none)"
                 continue
             value = _plain_number(cell) * times / per
-            if math.isfinite(value) and value >= self.lower:
+            if self.lower <= value <= self.largest and value >= -self.largest:
                 values[i] = value
+            elif self.largest < abs(value) < math.inf and value >= self.lower:
+                bad[i] = f"{_shown(cell)} (allowed is a size of at most {self.largest * per / times:g} {unit})"
             else:
                 comma = isinstance(cell, str) and _DECIMAL_COMMA.fullmatch(cell.strip(_BLANKS))
                 cure = "; decimals are written with a point" if comma else ""

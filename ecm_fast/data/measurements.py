@@ -1,6 +1,5 @@
 """Measurements: loads and poses row by row, in SI units, in the order in which they were taken."""
 
-import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
@@ -151,10 +150,12 @@ class Measurements:
                          if column.name.startswith("sigma_")]  # fmt: skip
                 hint = did_you_mean(name, known)
                 raise InputError(f"noise of {name}{hint}: allowed are {', '.join(known)}") from None
-            if not 0.0 < value < math.inf:
-                raise InputError(f"noise of {name} = {value!r}: allowed is a number > 0")
+            (declared,), wrong = column.numbers([value], unit)
+            if wrong or not declared > 0.0:
+                largest = column.largest * column.units[unit][1] / column.units[unit][0]
+                raise InputError(f"noise of {name} = {value!r}: allowed is a number > 0, at most {largest:g} {unit}")
             own = getattr(self, column.name)
-            changed[column.name] = np.where(np.isnan(own), column.numbers([value], unit)[0][0], own)
+            changed[column.name] = np.where(np.isnan(own), declared, own)
         own_columns = (*self.columns, *(f"sigma_{name}" for name in noise if f"sigma_{name}" not in self.columns))
         return replace(self, **changed, columns=own_columns)
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..data.columns import CAMERA_SIGMA, CHANNELS
 from ..data.measurements import Measurements
-from ..errors import InputError, shown
+from ..errors import InputError, real, shown
 from ..identification.rows import State
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.parameters import find
@@ -73,11 +73,11 @@ class Study:
     progress: Callable[[str], None] | None = None
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.alpha < 1.0:
+        if not 0.0 < real("alpha", self.alpha) < 1.0:
             raise InputError(f"alpha = {shown(self.alpha)}: allowed is a number between 0 and 1")
         if self.max_effects not in (0, 1, 2):
             raise InputError(f"max_effects = {shown(self.max_effects)}: allowed is 0, 1 or 2")
-        if self.force_sigma is not None and not 0.0 <= self.force_sigma < np.inf:
+        if self.force_sigma is not None and not 0.0 <= real("force_sigma", self.force_sigma) < np.inf:
             raise InputError(f"force_sigma = {shown(self.force_sigma)}: allowed is a finite number >= 0")
         if not self._parts(self.data):
             raise InputError("no measurements; a study takes at least one set")

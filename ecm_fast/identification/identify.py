@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..data.measurements import Measurements
-from ..errors import InputError, shown
+from ..errors import InputError, real, shown
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.parameters import find, index
 from ..mechanism.vector import pack
@@ -16,7 +16,7 @@ from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
 from .least_squares import NEAR, Loss, Minimum, minimize, visible
 from .result import Estimate, Identification, Objective
-from .rows import CHANNELS, FitRows, FitSet, Noise, State
+from .rows import CHANNELS, FitRows, FitSet, Noise, State, prior_std
 from .warnings import in_words
 
 __all__ = ["identify"]
@@ -85,9 +85,9 @@ def identify(
     mesh = _mesh(elements, order) if isinstance(elements, int) else Discretization.of(elements, order)
     rows = FitRows(sets, wanted, mesh)
     prior = _prior(wanted, priors or {})
-    if not 0.0 < level < 1.0:
+    if not 0.0 < real("level", level) < 1.0:
         raise InputError(f"level = {shown(level)}: allowed is a number between 0 and 1")
-    if force_sigma is not None and not 0.0 <= force_sigma < np.inf:
+    if force_sigma is not None and not 0.0 <= real("force_sigma", force_sigma) < np.inf:
         raise InputError(f"force_sigma = {shown(force_sigma)}: allowed is a finite number >= 0")
     return _Fit(rows, prior, Loss(loss, loss_scale), level).run(force_sigma)
 
@@ -253,9 +253,8 @@ def _prior(names: Sequence[str], priors: Priors) -> Array:
     for row, (name, (value, std)) in enumerate(priors.items()):
         if index(name) not in places:
             raise InputError(f"a prior for {name}, which is not fitted: fit it too, or set it in the mechanism")
-        if not 0.0 < std < np.inf:
-            raise InputError(f"standard deviation {shown(std)} of the prior for {name}: allowed is a finite number > 0")
-        table[row] = places.index(index(name)), find(name).check(value), std
+        center = find(name).check(value)
+        table[row] = places.index(index(name)), center, prior_std(name, center, std)
     return table
 
 

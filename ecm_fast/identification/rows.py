@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..data.columns import CHANNELS
 from ..data.measurements import Measurements
-from ..errors import InputError
+from ..errors import InputError, shown
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.parameters import find, index
 from ..mechanism.vector import pack
@@ -16,7 +16,7 @@ from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
 from ..models.instruments.measuring_chain import CHANGES, MeasuringChain, row_parameters
 
-__all__ = ["CHANNELS", "FitRows", "FitSet", "Noise", "State"]
+__all__ = ["CHANNELS", "FitRows", "FitSet", "Noise", "State", "prior_std"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -26,6 +26,7 @@ DECLARED, REPLICATES, RESIDUAL = "declared", "replicates", "residual"
 
 _LAST_STEP = 1e-13  # squared; what Newton's method leaves is then far below any noise
 _SMALLEST_SIGMA = 1e-8  # [m, rad] what the default discretization is good for
+_ROUNDING = 1e-12  # of a variance that the forces make: below it the camera's share cannot be told from rounding
 _FEWEST_REPEATS = 6
 _REMEMBERED = 3
 _MEDIAN_TO_SIGMA = 1.4826  # of Gaussian noise
@@ -192,7 +193,7 @@ class Noise:
             raise InputError(f"{rows.where(i)}: sigma_{CHANNELS[channel]} = 0: a fit weighs readings by their noise; "
                              "leave the column out where it is not known")  # fmt: skip
         force = rows.joined("sigma_lam") if force_sigma is None else np.full(rows.n, force_sigma)
-        force = np.nan_to_num(force)
+        force, sigma = np.nan_to_num(force), np.maximum(sigma, _SMALLEST_SIGMA)
         origin = np.where(np.isfinite(sigma), DECLARED, RESIDUAL).astype(f"U{len(REPLICATES)}")
         unknown = cls(sigma, force, origin)
         return unknown._with_replicates(rows, start)
@@ -260,11 +261,22 @@ class Noise:
         out = np.zeros((len(sigma), 3, 3))
         if self.force.any():
             covariance = self.carried(state) * (used[:, :, None] & used[:, None, :])
+            covariance[:, range(3), range(3)] *= 1.0 + _ROUNDING
             covariance[:, range(3), range(3)] += diagonal**2
             out[:] = np.linalg.inv(np.linalg.cholesky(covariance))
         else:
             out[:, range(3), range(3)] = 1.0 / diagonal
         return out * used[:, None, :]
+
+
+def prior_std(name: str, value: float, std: float, *, free: bool = False) -> float:
+    """Return the standard deviation of a prior, or raise where it cannot be meant; inf is one where that is `free`."""
+    entry = find(name)
+    least = _ROUNDING * (abs(value) or entry.typical)
+    if not (least <= std < np.inf or (free and std == np.inf)):
+        raise InputError(f"standard deviation {shown(std)} of the prior for {name}: allowed is a finite number > 0, "
+                         f"from {least:g} {entry.unit} on")  # fmt: skip
+    return float(std)
 
 
 def _shares(sets: Sequence[FitSet], only: NDArray[np.int64] | None) -> list[NDArray[np.int64] | None]:

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError, shown
+from ..errors import InputError, real, shown
 from ..kernels.general.newton import solve
 from ..kernels.layout import N_OUT, O_FACTOR, O_ITERATIONS, O_THETA, O_X, O_Z
 from ..kernels.prepare import prepare
@@ -249,7 +249,7 @@ class FiniteElementModel:
         OutOfReach : no allowed forces meet both; the text gives the nearest that can be had and its forces.
         InputError : not two wishes, or a number that is not finite.
         """
-        if not 0.0 < lam_max < np.inf:
+        if not 0.0 < real("lam_max", lam_max) < np.inf:
             raise InputError(f"lam_max = {shown(lam_max)}: allowed is a positive number")
         loads = one_load(np.zeros(2), wrench)
         key = (*loads.tolist(), float(lam_max))
@@ -286,7 +286,7 @@ class FiniteElementModel:
             none can be fitted, from the straight neck
         """
         loads, last2 = one_load(np.zeros(2), wrench), last_step(tolerance)
-        if not 0.0 <= lam_max < np.inf:
+        if not 0.0 <= real("lam_max", lam_max) < np.inf:
             raise InputError(f"lam_max = {shown(lam_max)}: allowed is a finite number, 0 or more")
         stations, tip, q_rest, _, _ = self._system
         if self._condensed is not None:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, OutOfReach, shown
+from ..errors import InputError, OutOfReach, real, shown
 from .paths.general import Step
 
 __all__ = ["WISHES", "Inverse"]
@@ -61,7 +61,7 @@ class Inverse:
         if len(given) != 2:
             raise InputError(f"{len(given)} wishes given: allowed are two of {', '.join(WISHES)}")
         for name, value in given.items():
-            if not np.isfinite(value):
+            if not np.isfinite(real(name, value)):
                 raise InputError(f"{name} = {shown(value)}: allowed is a finite number")
         first, second = (float(value) for value in given.values())
         return [WISHES.index(name) for name in given], (first, second)

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError, shown
+from ..errors import InputError, real, shown
 from ..mechanism.parameters import PARAMETERS, size
 
 __all__ = ["last_step", "many_loads", "numbers", "one_load", "parameter_rows"]
@@ -15,6 +15,8 @@ QUADRATIC, MIN_TOLERANCE = 10.0, 1e-13
 
 def last_step(tolerance: float) -> float:
     """Return the largest squared last step that leaves an error of at most `tolerance`."""
+    if type(tolerance) is not float:  # most are: the check of others costs a solve a per cent
+        tolerance = real("tolerance", tolerance)
     if not MIN_TOLERANCE <= tolerance <= 1e-3:
         raise InputError(f"tolerance = {shown(tolerance)}: allowed is a number from {MIN_TOLERANCE:g} to 1e-3")
     return tolerance / QUADRATIC

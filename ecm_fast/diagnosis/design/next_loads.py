@@ -11,7 +11,7 @@ import numpy as np
 
 from ...data.columns import CAMERA_SIGMA
 from ...data.measurements import Measurements
-from ...errors import InputError, shown
+from ...errors import InputError, real, shown
 from ..results.next_loads import NextLoads, Suggestion
 from .discrimination import DiscriminationDesign
 from .load_pool import Pool
@@ -52,7 +52,7 @@ def next_loads(
     """
     if len(rivals) < 2:
         raise InputError(f"{len(rivals)} explanation: nothing to tell apart; the answer stands alone")
-    if not 0.0 < minutes < np.inf:
+    if not 0.0 < real("minutes", minutes) < np.inf:
         raise InputError(f"minutes = {shown(minutes)}: allowed is a positive number")
     if repeats < 1:
         raise InputError(f"repeats = {shown(repeats)}: allowed is a whole number >= 1")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...data.measurements import Measurements
 from ...errors import InputError
 from ...identification.identify import _mesh
-from ...identification.rows import FitRows, FitSet, Noise, State
+from ...identification.rows import FitRows, FitSet, Noise, State, prior_std
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find, index
@@ -94,9 +94,8 @@ class Problem:
         for key in self.keys:
             rough = key in STIFFNESS_KEYS and key not in known
             center, std = known.pop(key, (float(par[index(key)]), ROUGHLY if rough else uncertain.get(key, np.inf)))
-            if not 0.0 < std <= np.inf:
-                raise InputError(f"standard deviation {std!r} of the prior for {key}: allowed is a number > 0")
-            table.append((find(key).check(center), std, rough))
+            center = find(key).check(center)
+            table.append((center, prior_std(key, center, std, free=True), rough))
         for key in known:
             raise InputError(f"a prior for {key}, which calibration does not move: declare it uncertain too")
         columns = [np.array(column) for column in zip(*table, strict=True)]

@@ -34,7 +34,8 @@ def remainder(
     fit[view.rows] = view.used.all(axis=1)
     columns = np.concatenate([view.nuisances[0], view.sizes[:, :, list(view.model)], view.further], axis=2)
     whole = view.used.all(axis=1)
-    base = orthonormal((columns[whole] / opened.scale[:, None]).reshape(3 * int(whole.sum()), -1))
+    scaled = columns[whole] / opened.scale[:, None]
+    base = orthonormal(scaled.reshape(3 * len(scaled), columns.shape[2]))  # no row may be whole
     flat = white[fit].ravel()
     off = (flat - base @ (base.T @ flat)).reshape(-1, 3)
     some = np.unique(np.linspace(0, len(off) - 1, min(len(off), _ROWS)).round().astype(int))

@@ -25,6 +25,7 @@ _FILES = {
     "/page.svg": ("page.svg", "image/svg+xml"),
     "/page.js": ("page.js", "text/javascript; charset=utf-8"),
 }
+_PORTS = 65535
 _SOCKET = "/socket"
 _HEADERS = {
     "Content-Security-Policy": "default-src 'self'; frame-ancestors 'none'",
@@ -50,6 +51,8 @@ class Page:
     """
 
     def __init__(self, make: Callable[[], Scene], port: int = 0) -> None:
+        if not 0 <= port <= _PORTS:
+            raise InputError(f"--port {port}: allowed is a whole number up to {_PORTS}, 0 for a free one")
         try:
             from websockets.sync.server import serve
         except ImportError:

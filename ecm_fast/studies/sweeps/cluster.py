@@ -31,8 +31,9 @@ def cluster(address: str) -> Iterator[tuple[Executor, int]]:
         raise InputError("a cluster needs the package distributed: pip install 'ecm-fast[cluster]'") from None
     connect: Any = distributed.Client
     try:
+        distributed.comm.resolve_address(address)  # a client that fails in its making waits long to be deleted
         client: Any = connect(address, timeout=_PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:
+    except Exception as error:  # what an address can be depends on the protocols that are installed
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"cluster {shown(address)}: no scheduler answers ({reason})") from None
     try:
