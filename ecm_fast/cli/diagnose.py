@@ -6,7 +6,6 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..data.columns import CAMERA_SIGMA
 from ..errors import InputError
 from ._arguments import EXAMPLES, add_noise, finite_number, measurements, mechanism, numbers_by_name
 from ._command import DONE, Answer, Command, folder, outputs, saved
@@ -175,6 +174,7 @@ def _page_path(args: argparse.Namespace) -> Path | None:
 
 def _next(neck: "Mechanism", said: dict[str, Any], common: dict[str, Any]) -> "NextLoads | None":
     """Return what would split the look-alikes that are in question, None where there are none."""
+    from ..data.columns import CAMERA_SIGMA
     from ..diagnosis.design.next_loads import in_question, next_loads, rivals_of
 
     sets, alone = in_question(said["models"], said["transfer"])

@@ -30,8 +30,9 @@ def cluster(address: str) -> Iterator[tuple[Executor, int]]:
     except ImportError:
         raise InputError("a cluster needs the package distributed: pip install 'ecm-fast[cluster]'") from None
     connect: Any = distributed.Client
+    comm: Any = distributed.comm
     try:
-        distributed.comm.resolve_address(address)  # a client that fails in its making waits long to be deleted
+        comm.resolve_address(address)  # a client that fails in its making waits long to be deleted
         client: Any = connect(address, timeout=_PATIENCE, set_as_default=False)
     except Exception as error:  # what an address can be depends on the protocols that are installed
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
