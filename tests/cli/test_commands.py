@@ -7,20 +7,17 @@ import subprocess
 import sys
 import time
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
+from commands import Refused, Run
 
 from ecm_fast import Measurements, cli, predict
-from ecm_fast.cli import main
 from ecm_fast.errors import NotConverged
 from ecm_fast.mechanism.catalogue import CATALOGUE
 from ecm_fast.mechanism.mechanism import Mechanism
-
-BARE = "[beam]\nmass_per_length = 0.0\n[head]\nmass = 0.0\n"
 
 # tendon_equilibria.csv, independent shooting solutions: law nh, L 0.109 m, routing point, no masses;
 # lambda_l, lambda_r, x_L, z_L, theta_L
@@ -33,49 +30,6 @@ TENDONS = [
 ]
 # the same file: law hooke, L 0.04 m
 PAPER_HOOKE = (160.0, 80.0, 0.0386816227188, 0.0014604306694, -0.0754744623006)
-
-
-class Ended(NamedTuple):
-    code: int
-    out: str
-    err: str
-
-    @property
-    def json(self) -> dict[str, Any]:
-        assert self.out.count("\n") == 1
-        answer = json.loads(self.out, parse_constant=lambda word: pytest.fail(f"{word} in JSON"))
-        assert isinstance(answer, dict)
-        return answer
-
-
-Run = Callable[..., Ended]
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Return a function that runs a command in an empty folder with a bare neck in ``bare.toml``."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "bare.toml").write_text(BARE)
-
-    def _run(*words: str) -> Ended:
-        code = main([str(word) for word in words])
-        return Ended(code, *capsys.readouterr())
-
-    return _run
-
-
-@pytest.fixture
-def refused(run: Run) -> Callable[..., str]:
-    """Return a function that runs a command which must be refused, and returns the complaint."""
-
-    def _refused(*words: str) -> str:
-        ended = run(*words)
-        assert (ended.code, ended.out) == (2, "")
-        assert ended.err.count("\n") == 1
-        assert ended.err.startswith("ecm-fast: ")
-        return ended.err.removeprefix("ecm-fast: ").removesuffix("\n")
-
-    return _refused
 
 
 def process(*words: str, cwd: Path, env: dict[str, str] | None = None, **options: Any) -> subprocess.Popen[str]:
@@ -103,7 +57,8 @@ def test_solve_meets_the_shooting_solutions(
 
 def test_solve_takes_the_mechanism_and_the_discretization(run: Run) -> None:
     """Shooting: a row of the table; the coarser mesh is farther off."""
-    Path("paper.toml").write_text('preset = "paper"\n' + BARE.replace("[beam]", '[beam]\naxial_law = "hooke"'))
+    bare = Path("bare.toml").read_text()
+    Path("paper.toml").write_text('preset = "paper"\n' + bare.replace("[beam]", '[beam]\naxial_law = "hooke"'))
     left, right, x, z, theta = PAPER_HOOKE
     words = ("solve", "--tendons", left, right, "--mechanism", "paper.toml", "--json")
     fine, coarse = (
@@ -248,7 +203,7 @@ def test_predict_with_a_row_that_fails_writes_the_others(run: Run) -> None:
     assert len(Path("out/predicted.csv").read_text().splitlines()) == 4
 
 
-def test_predict_with_bad_data(refused: Callable[..., str]) -> None:
+def test_predict_with_bad_data(refused: Refused) -> None:
     """Contract: one line that names file, line and column."""
     assert refused("predict", "no.csv").startswith("no.csv: ")
     Path("run.csv").write_text("lam_l_N,lam_r_N\n-1,10\n")
@@ -313,7 +268,7 @@ def test_init_writes_a_file_that_every_command_takes(run: Run, preset: str) -> N
     assert (with_file == default) == (preset == "slender")
 
 
-def test_init_does_not_overwrite(run: Run, refused: Callable[..., str]) -> None:
+def test_init_does_not_overwrite(run: Run, refused: Refused) -> None:
     """Contract: an existing file is kept unless forced."""
     assert run("init") == (0, "", "ecm-fast: wrote mechanism.toml\n")
     Path("mechanism.toml").write_text("mine")
@@ -418,7 +373,7 @@ SOLVE = ("solve", "--tendons", "1", "2")
     ],
     ids=lambda entry: repr(" ".join(entry)) if isinstance(entry, tuple) else "",
 )
-def test_bad_arguments(refused: Callable[..., str], words: tuple[str, ...], text: str) -> None:
+def test_bad_arguments(refused: Refused, words: tuple[str, ...], text: str) -> None:
     """Contract: the text of the error, written by hand."""
     assert refused(*words) == text
 

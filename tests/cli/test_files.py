@@ -2,10 +2,10 @@
 
 import json
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from commands import Refused
 
 from ecm_fast.cli import main
 from ecm_fast.errors import InputError
@@ -13,21 +13,6 @@ from ecm_fast.files import MOST_BYTES, inputs_kept, read_whole, write_whole
 
 RUN = "lam_l_N,lam_r_N,x_mm,z_mm,theta_rad\n" + "".join(f"{i},{2 * i % 7},107,{i / 9},0\n" for i in range(12))
 NECK = "# my own remark\n[beam]\nEI = 2.9\n"
-
-Refused = Callable[..., str]
-
-
-@pytest.fixture
-def refused(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Refused:
-    """Return a function that runs a command which must be refused in one line, and returns that line."""
-    monkeypatch.chdir(tmp_path)
-
-    def _refused(*words: str) -> str:
-        code, (out, err) = main([str(word) for word in words]), capsys.readouterr()
-        assert (code, out, err.count("\n")) == (2, "", 1), err
-        return err.removeprefix("ecm-fast: ").removesuffix("\n")
-
-    return _refused
 
 
 @pytest.mark.parametrize(

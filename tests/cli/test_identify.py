@@ -1,15 +1,13 @@
 """``ecm-fast identify``: from measurements to a mechanism file, and what is said on the way."""
 
-import json
-from collections.abc import Callable
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import pytest
+from commands import Run
 
 from ecm_fast import Mechanism, identify, read_measurements
-from ecm_fast.cli import main
 
 DATASETS = files("ecm_fast.data.datasets")
 TENDON = str(DATASETS / "simulated_slender_tendon.csv")
@@ -18,32 +16,10 @@ PUSHES = str(DATASETS / "simulated_compression_28mm.csv")
 SPECIMEN = str(DATASETS / "simulated_compression_28mm.toml")
 
 
-class Ended(NamedTuple):
-    code: int
-    out: str
-    err: str
-
-    @property
-    def json(self) -> dict[str, Any]:
-        assert self.out.count("\n") == 1
-        answer = json.loads(self.out, parse_constant=lambda word: pytest.fail(f"{word} in JSON"))
-        assert isinstance(answer, dict)
-        return answer
-
-
-Run = Callable[..., Ended]
-
-
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Return a function that runs ``identify`` in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-
-    def _run(*words: object) -> Ended:
-        code = main(["identify", *map(str, words)])
-        return Ended(code, *capsys.readouterr())
-
-    return _run
+def run(run: Run) -> Run:
+    """Return a function that runs ``identify``."""
+    return partial(run, "identify")
 
 
 def test_the_answer_holds_what_python_gives(run: Run) -> None:

@@ -1,16 +1,13 @@
 """``ecm-fast polynomial``: from poses to a file, from the file to wrenches."""
 
 import json
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import pytest
+from commands import Run
 
 from ecm_fast import PolynomialModel
-from ecm_fast.cli import main
-
-BARE = "[beam]\nmass_per_length = 0.0\n[head]\nmass = 0.0\n"
 
 # tendon_equilibria.csv, independent shooting solutions: law nh, L 0.109 m, routing point, no masses;
 # lambda_l, lambda_r, x_L, z_L, theta_L, fx, fz, tau
@@ -20,35 +17,12 @@ TENDONS = [
 ]
 
 
-class Ended(NamedTuple):
-    code: int
-    out: str
-    err: str
-
-    @property
-    def json(self) -> dict[str, Any]:
-        assert self.out.count("\n") == 1
-        answer = json.loads(self.out, parse_constant=lambda word: pytest.fail(f"{word} in JSON"))
-        assert isinstance(answer, dict)
-        return answer
-
-
-Run = Callable[..., Ended]
-
-
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Return a function that runs ``polynomial`` in a folder with a bare neck and measured tendon rows."""
-    monkeypatch.chdir(tmp_path)
-    Path("bare.toml").write_text(BARE)
+def run(run: Run) -> Run:
+    """Return a function that runs ``polynomial`` beside measured tendon rows."""
     rows = [",".join(map(str, row[:5])) for row in TENDONS]
     Path("run.csv").write_text("\n".join(["lam_l_N,lam_r_N,x_m,z_m,theta_rad", *rows, "1,2,,,"]))
-
-    def _run(*words: object) -> Ended:
-        code = main(["polynomial", *map(str, words)])
-        return Ended(code, *capsys.readouterr())
-
-    return _run
+    return partial(run, "polynomial")
 
 
 def test_fit_and_eval_meet_the_shooting_solutions(run: Run) -> None:

@@ -24,7 +24,7 @@ def found():
     return diagnose(NECK, data, candidates=["precurvature", "lever_arm"], priors=MATERIAL)
 
 
-def test_what_is_written_has_the_dimensions_that_the_data_ask_for(found):
+def test_the_written_mechanism_has_the_fitted_dimensions(found):
     """On loads that were never measured its poses are nearer to the truth than with the dimensions as drawn."""
     assert found.names == ("precurvature",)
     exact = measure(TRUTH, tendon_test(80, seed=4), Sensors(camera_sigma=(0.0, 0.0, 0.0)), seed=6)
@@ -39,6 +39,7 @@ def test_what_is_written_has_the_dimensions_that_the_data_ask_for(found):
 
 
 def test_every_dimension_with_a_tolerance_is_said(found):
+    """Contract: the catalogue's tolerances, in object and JSON."""
     known = {effect.name for effect in CATALOGUE.values() if effect.size.tolerance}
     assert set(found.dimensions) == set(found.dimensions_before) == known
     assert {name: found.mechanism.effects[name] for name in known} == pytest.approx(dict(found.dimensions))
@@ -47,6 +48,7 @@ def test_every_dimension_with_a_tolerance_is_said(found):
 
 
 def test_a_dimension_that_is_named_is_no_tolerance():
+    """Known truth of the test bed; the named dimension stands in the mechanism."""
     data = measure(NECK.replace(beam_length=1e-3), LOADS, seed=7)
     found = diagnose(NECK, data, candidates=["beam_length"], priors=MATERIAL)
     assert found.names == ("beam_length",)
@@ -91,7 +93,7 @@ def test_of_two_effects_the_one_that_is_needed_most_comes_first(sizes):
     assert list(found.gap.without) == list(found.names)
 
 
-def test_what_is_seen_as_a_product_alone_stands_out_and_this_is_said():
+def test_what_is_seen_as_a_product_alone_stands_out():
     """Capstan friction is exp(-coefficient wrap): neither number is known well, and yet nothing shows more."""
     data = measure(NECK.replace(**{"tendon_capstan_friction.coefficient": 0.03}), LOADS, seed=11)
     found = diagnose(NECK, data, candidates=["tendon_capstan_friction"], priors=MATERIAL)
@@ -105,7 +107,8 @@ def test_what_is_seen_as_a_product_alone_stands_out_and_this_is_said():
     assert any("trade off in these data" in text for text in found.warnings)
 
 
-def test_an_answer_whose_noise_is_far_beyond_what_is_declared_says_so():
+def test_noise_far_beyond_the_declared_is_reported():
+    """By hand: the same readings with sigmas five times too small."""
     loud = measure(NECK.replace(precurvature=0.3), LOADS, Sensors(camera_sigma=(5e-4, 5e-4, 5e-3)), seed=12)
     told = replace(loud, sigma_x=loud.sigma_x / 5.0, sigma_z=loud.sigma_z / 5.0, sigma_theta=loud.sigma_theta / 5.0)
     found, quiet = (diagnose(NECK, data, candidates=["precurvature"], priors=MATERIAL) for data in (told, loud))

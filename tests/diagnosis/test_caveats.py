@@ -20,12 +20,14 @@ def calibrated(**changes):
 
 
 def test_a_stiffness_that_is_known_raises_no_doubt() -> None:
+    """By hand: values and standard deviations."""
     assert stiffness_caveats(calibrated(), NECK) == ()
     assert stiffness_caveats(calibrated(GA=(1.2 * NECK.beam.GA, 0.14 * 1.2 * NECK.beam.GA)), NECK) == ()
     assert stiffness_caveats(calibrated(EI=(1.02 * NECK.beam.EI, 0.001 * NECK.beam.EI)), NECK) == ()
 
 
-def test_a_loose_stiffness_comes_with_its_number_the_file_and_the_cure() -> None:
+def test_a_loose_stiffness_comes_with_its_number_and_cure() -> None:
+    """By hand: the parts of the text."""
     (text,) = stiffness_caveats(calibrated(GA=(3291.48, 703.0)), NECK)
     assert "GA to no better than 21%: 3291 +- 703 N" in text
     assert f"{NECK.beam.GA:.4g} N" in text
@@ -34,6 +36,7 @@ def test_a_loose_stiffness_comes_with_its_number_the_file_and_the_cure() -> None
 
 
 def test_a_stiffness_far_from_the_file_is_said() -> None:
+    """By hand: 10 standard deviations; and a known truth of the test bed."""
     (text,) = stiffness_caveats(calibrated(EA=(0.9 * NECK.beam.EA, 0.01 * NECK.beam.EA)), NECK)
     assert "10 standard deviations (-10%)" in text
     data = measure(NECK.replace(EI=0.9 * NECK.beam.EI), tendon_test(grid=6, seed=2), seed=3)
@@ -42,6 +45,7 @@ def test_a_stiffness_far_from_the_file_is_said() -> None:
 
 @pytest.mark.parametrize(("wanted", "said"), [(-254.9, "no physical GA fits"), (1900.0, "want GA = 1900 +- 38 N")])
 def test_a_negative_stiffness_is_never_wanted(wanted, said) -> None:
+    """By hand: the text."""
     text = _away(find("GA"), 2420.0, 120.0, wanted, 38.0, 13.0)
     assert said in text
     assert "-254.9" not in text
@@ -60,6 +64,7 @@ def test_a_negative_stiffness_is_never_wanted(wanted, said) -> None:
     ],
 )
 def test_value_and_doubt_have_the_same_digits(value, std, text) -> None:
+    """By hand: the text."""
     assert repr(Estimate(value, std, value, value, "N")) == text
 
 

@@ -37,10 +37,12 @@ def kinds(mechanism, data):
 
 @pytest.mark.parametrize("name", [name for name in datasets.available() if name.startswith("simulated_")])
 def test_nothing_is_refused_that_ships(name) -> None:
+    """Known good data: the bundled sets."""
     check(*datasets.load(name))
 
 
 def test_good_data_raise_no_finding(plain) -> None:
+    """Known good data of the test bed."""
     assert kinds(NECK, plain) == []
 
 
@@ -55,6 +57,7 @@ def test_good_data_raise_no_finding(plain) -> None:
     ],
 )
 def test_effects_of_twice_their_typical_size_are_no_wrong_label(hidden) -> None:
+    """Known truth: labels are right, effects are large."""
     data = measure(NECK.replace(**hidden), tendon_test(80, seed=1), Sensors(force_sigma=0.1), 1)
     assert not [finding for finding in findings(NECK, data) if finding.certain]
 
@@ -80,6 +83,7 @@ def test_effects_of_twice_their_typical_size_are_no_wrong_label(hidden) -> None:
     ],
 )
 def test_a_wrong_label_is_named_with_its_cure(plain, changes, said) -> None:
+    """By hand: one column spoilt, and the text of its cure."""
     if changes == {"lam_l_N": ("lam_r", 1.0, 0.0)}:
         swapped = {"lam_l_N": plain.lam_r, "lam_r_N": plain.lam_l, "x_m": plain.x, "z_m": plain.z}
         data = Measurements.from_columns({**swapped, "theta_rad": plain.theta}, source="run.csv")
@@ -92,6 +96,7 @@ def test_a_wrong_label_is_named_with_its_cure(plain, changes, said) -> None:
 
 
 def test_side_forces_tell_swapped_tendons_from_mirrored_axes() -> None:
+    """By hand: both axes mirrored."""
     both = in_sequence(tendon_test(60, seed=1), shear_test(np.linspace(-60.0, 60.0, 30)))
     data = measure(NECK, both, Sensors(), 1)
     mirrored = columns(data, z_m=("z", -1.0, 0.0), theta_rad=("theta", -1.0, 0.0))
@@ -99,12 +104,14 @@ def test_side_forces_tell_swapped_tendons_from_mirrored_axes() -> None:
 
 
 def test_another_neck_is_asked_about_and_not_blamed_on_a_unit(plain) -> None:
+    """Known truth: right units, another mechanism."""
     found = findings(Mechanism.preset("paper"), plain)
     assert not [finding for finding in found if finding.kind == "unit"]
     assert any("mechanism file" in finding.cure or finding.kind == "origin" for finding in found)
 
 
 def test_outliers_are_named_by_row(plain) -> None:
+    """By hand: two rows moved by 3 mm."""
     z = plain.z.copy()
     z[[7, 41]] += 3e-3
     data = columns(plain, z_m=("z", 0.0, z))
@@ -114,11 +121,13 @@ def test_outliers_are_named_by_row(plain) -> None:
 
 
 def test_outliers_are_told_from_a_missing_effect() -> None:
+    """Known truth: an effect and no outlier."""
     data = measure(NECK.replace(precurvature=0.2, EI=2.8), tendon_test(150, seed=1), Sensors(), 1)
     assert check(NECK, data).outliers == ()
 
 
 def test_a_camera_that_stands_still_is_noticed(plain) -> None:
+    """By hand: repeated poses."""
     still = columns(plain, x_m=("x", 0.0, 0.1), z_m=("z", 0.0, 0.0), theta_rad=("theta", 0.0, 0.0))
     with pytest.raises(InputError, match="all 80 poses are the same"):
         check(NECK, still)
@@ -130,6 +139,7 @@ def test_a_camera_that_stands_still_is_noticed(plain) -> None:
 
 
 def test_what_loads_cannot_tell_is_said(plain) -> None:
+    """By hand: selections of rows."""
     right = plain.select(plain.lam_l < plain.lam_r)
     assert "one-sided" in kinds(NECK, right)
     alone = columns(plain.select(plain.lam_r < 20.0), lam_r_N=("lam_r", 0.0, 0.0))
@@ -140,6 +150,7 @@ def test_what_loads_cannot_tell_is_said(plain) -> None:
 
 
 def test_missing_columns_name_what_cannot_be_told(plain) -> None:
+    """By hand: columns left out."""
     bare = {"lam_l_N": plain.lam_l, "lam_r_N": plain.lam_r, "x_m": plain.x, "z_m": plain.z}
     text = repr(check(NECK, Measurements.from_columns(bare)))
     for words in ("t_s", "stiffness_drift", "dwell_s", "creep", "theta_rad", "pose_id", "sigma_lam_N"):
@@ -150,6 +161,7 @@ def test_missing_columns_name_what_cannot_be_told(plain) -> None:
 
 
 def test_thirty_thousand_rows_are_checked(plain) -> None:
+    """By hand: 375 copies of 80 rows."""
     lam = np.tile(plain.lam, (375, 1))
     pose = np.tile(plain.pose, (375, 1)) + 1e-5 * np.random.default_rng(1).standard_normal((30000, 3))
     table = dict(zip(("lam_l_N", "lam_r_N", "x_m", "z_m", "theta_rad"), np.column_stack([lam, pose]).T, strict=True))

@@ -29,7 +29,8 @@ def looped() -> Measurements:
     return measure(MADE.replace(**{f"effects.{COUPLE}": 0.05}), tendon_test(2600, seed=1), Sensors(), seed=2)
 
 
-def test_a_share_and_all_rows_give_the_same_name_and_the_size_that_was_built_in(looped: Measurements) -> None:
+def test_a_share_and_all_rows_give_the_same_name_and_size(looped: Measurements) -> None:
+    """Known truth of the test bed, and the search over all rows."""
     found = diagnose(NECK, looped)
     problem = Study(NECK, looped).problem()
     assert problem.open.size > many.ENOUGH
@@ -47,7 +48,7 @@ def test_a_share_and_all_rows_give_the_same_name_and_the_size_that_was_built_in(
     assert 0.95 < found.gap.after.sigma < 1.05
 
 
-def test_an_effect_that_only_all_rows_show_is_found_and_clean_rows_raise_no_alarm(
+def test_an_effect_that_only_all_rows_show_is_found(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A size that all rows show with seven standard deviations is one of three in a share of a sixth of them."""
@@ -65,7 +66,7 @@ def test_an_effect_that_only_all_rows_show_is_found_and_clean_rows_raise_no_alar
     assert answer.effects[0].look_alikes == every[0].look_alikes
 
 
-def test_a_second_effect_that_the_evidence_of_all_rows_is_for_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_second_effect_that_all_rows_ask_for_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """A share of the rows shows the larger of two effects, which passes the tests of all rows alone."""
     hidden = {"clamp_lateral_compliance": 5e-6, "force_crosstalk": 0.015}
     data, _ = hide(effects=hidden, design="T+S", noise="force", seed=1)
@@ -79,7 +80,7 @@ def test_a_second_effect_that_the_evidence_of_all_rows_is_for_is_found(monkeypat
     assert any("clamp_lateral_compliance alone passes the tests, too" in line for line in found.warnings)
 
 
-def test_nothing_is_left_of_a_look_alike_that_only_the_share_prefers(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_left_of_a_look_alike_of_the_share(monkeypatch: pytest.MonkeyPatch) -> None:
     """The tests look at what one name leaves, not at what it leaves beside another one that the rows refute."""
     monkeypatch.setattr(many, "ENOUGH", 375)
     data = measure(MADE.replace(precurvature=0.05), tendon_test(3000, seed=3), seed=7)
@@ -92,7 +93,8 @@ def test_nothing_is_left_of_a_look_alike_that_only_the_share_prefers(monkeypatch
     assert sizes.intersection(found.view.values) == {"effects.precurvature"}
 
 
-def test_the_share_keeps_small_experiments_whole_and_the_others_even() -> None:
+def test_the_share_keeps_small_experiments_whole() -> None:
+    """Counting: the rows of a small and a large experiment."""
     data = measure(MADE, in_sequence(tendon_test(4000, seed=6), shear_test(np.linspace(-60.0, 60.0, 40))), seed=7)
     problem = Study(NECK, data).problem()
     rows = many.evenly(problem, 900)
@@ -106,6 +108,7 @@ def test_the_share_keeps_small_experiments_whole_and_the_others_even() -> None:
 
 
 def test_rows_solved_alone_are_as_among_all(looped: Measurements) -> None:
+    """Contract: a row's residual depends on no other row."""
     problem = Study(NECK, looped.select(range(200))).problem()
     some = np.array([3, 4, 50, 77, 199])
     keys = [f"effects.{COUPLE}", "effects.creep", "beam.EI"]
@@ -120,6 +123,7 @@ def test_rows_solved_alone_are_as_among_all(looped: Measurements) -> None:
 
 
 def test_everybody_who_asks_is_told_of_every_step(looped: Measurements) -> None:
+    """Contract: lines of progress in order."""
     said: list[str] = []
     diagnose(NECK, looped.select(range(60)), progress=said.append)
     assert said[0].startswith("[....................] search")
@@ -142,6 +146,7 @@ class _Terminal(io.StringIO):
 def test_a_terminal_shows_one_line_that_goes_away(
     make: Callable[[], io.StringIO], shown: bool, looped: Measurements, tmp_path, monkeypatch, capsys
 ) -> None:
+    """Contract: what a terminal and a file are sent."""
     looped.select(range(60)).to_csv(tmp_path / "run.csv")
     stream = make()
     monkeypatch.setattr(_streams, "_PATIENCE", 0.0)

@@ -52,6 +52,7 @@ def refitted(true, rival, loads):
 
 
 def test_what_is_promised_is_what_a_refit_finds(rivals) -> None:
+    """Brute force: the rival refitted in full to poses of the true one."""
     chosen = next_loads(rivals, [LOADS_MEASURED], minutes=4.0)
     assert chosen.suggestions
     for distances, loads in ((chosen.before, LOADS), (chosen.after, with_load(LOADS, chosen.suggestions))):
@@ -64,7 +65,7 @@ def test_what_is_promised_is_what_a_refit_finds(rivals) -> None:
 LOADS_MEASURED = without_noise(NECK, LOADS)
 
 
-def test_a_name_is_checked_against_others_whose_own_likeness_does_not_count(rivals) -> None:
+def test_a_name_is_checked_against_others_alone(rivals) -> None:
     """The third is the second under another name: no load tells them apart, and none has to."""
     first, second, _ = rivals
     trio = [first, second, Rival(("again",), second.mechanism, second.free)]
@@ -78,6 +79,8 @@ def test_a_name_is_checked_against_others_whose_own_likeness_does_not_count(riva
 
 
 def test_the_nearest_that_can_be_meant_come_into_question() -> None:
+    """By hand: models with their evidence."""
+
     def model(name, behind, *, in_set=False, refused=""):
         return {"names": [name], "behind": behind, "in_set": in_set, "refused": refused}
 
@@ -97,6 +100,7 @@ def test_the_nearest_that_can_be_meant_come_into_question() -> None:
 
 
 def test_the_first_load_is_the_best_of_all_by_brute_force(rivals) -> None:
+    """Brute force: every fourth load of the pool, refitted in full."""
     pair, pool = rivals[:2], Pool.of(["nothing"])
     chosen = next_loads(pair, [LOADS_MEASURED], minutes=1.5, pool=pool)
     (first,) = chosen.suggestions
@@ -110,6 +114,7 @@ def test_the_first_load_is_the_best_of_all_by_brute_force(rivals) -> None:
 
 
 def test_more_time_never_promises_less(rivals) -> None:
+    """Monotony: more time includes every shorter plan."""
     found = [next_loads(rivals, [LOADS_MEASURED], minutes=minutes) for minutes in (1.5, 6.0, 20.0)]
     assert found[0].worst_after <= found[1].worst_after <= found[2].worst_after
     assert all(entry.minutes <= minutes for entry, minutes in zip(found, (1.5, 6.0, 20.0), strict=True))
@@ -120,7 +125,7 @@ def test_more_time_never_promises_less(rivals) -> None:
 POOR = tuple(10.0 * sigma for sigma in SIGMA)
 
 
-def test_every_load_of_the_plan_comes_once_and_what_it_promises_is_what_refits_leave(rivals) -> None:
+def test_every_load_comes_once_and_promises_what_refits_leave(rivals) -> None:
     """Ten times the noise is a tenth of the distance."""
     chosen = next_loads(rivals, [LOADS_MEASURED], minutes=20.0, sigma=POOR)
     assert len({tuple(entry.loads.items()) for entry in chosen.suggestions}) == len(chosen.suggestions)
@@ -132,7 +137,8 @@ def test_every_load_of_the_plan_comes_once_and_what_it_promises_is_what_refits_l
         assert chosen.suggestions[count - 1].promised_sigma == pytest.approx(min(apart), rel=0.1, abs=0.1)
 
 
-def test_time_that_will_not_do_still_gets_a_plan_and_what_would_do_is_said(rivals) -> None:
+def test_time_that_will_not_do_still_gets_a_plan(rivals) -> None:
+    """By hand: the text; and the time it asks for does suffice."""
     chosen = next_loads(rivals, [LOADS_MEASURED], minutes=1.5, sigma=POOR)
     assert len(chosen.suggestions) == 1
     assert 0.0 < chosen.worst_before < chosen.worst_after < 3.0
@@ -142,6 +148,7 @@ def test_time_that_will_not_do_still_gets_a_plan_and_what_would_do_is_said(rival
 
 
 def test_force_noise_costs_certainty(rivals) -> None:
+    """Monotony: more noise, less distance."""
     sharp, blunt = (next_loads(rivals, [LOADS_MEASURED], force_sigma=force, minutes=6.0) for force in (0.0, 0.5))
     assert blunt.worst_before < sharp.worst_before
 
@@ -164,6 +171,7 @@ def test_a_mass_splits_what_tendons_cannot() -> None:
 
 
 def test_what_cannot_be_told_apart_by_any_load_is_said() -> None:
+    """By construction: the same model under two names."""
     twins = [Rival((name,), NECK, FREE) for name in ("one", "other")]
     chosen = next_loads(twins, [LOADS_MEASURED])
     assert chosen.suggestions == ()
@@ -172,6 +180,7 @@ def test_what_cannot_be_told_apart_by_any_load_is_said() -> None:
 
 
 def test_explanations_that_are_far_apart_need_no_load(rivals) -> None:
+    """By construction: noise a hundred times smaller."""
     chosen = next_loads(rivals, [LOADS_MEASURED], sigma=(1e-6, 1e-6, 1e-5))
     assert chosen.suggestions == ()
     assert chosen.worst_before > 8.0
@@ -187,11 +196,13 @@ def test_explanations_that_are_far_apart_need_no_load(rivals) -> None:
     ],
 )
 def test_bad_numbers_are_told(rivals, options, said) -> None:
+    """Contract: the text of the error."""
     with pytest.raises(InputError, match=said):
         next_loads(rivals, [LOADS_MEASURED], **options)
 
 
 def test_one_explanation_needs_no_experiment(rivals) -> None:
+    """Contract: the text of the error."""
     with pytest.raises(InputError, match="nothing to tell apart"):
         next_loads(rivals[:1], [LOADS_MEASURED])
     with pytest.raises(InputError, match=r"add-on 'masss'.*did you mean 'mass'"):
@@ -199,6 +210,7 @@ def test_one_explanation_needs_no_experiment(rivals) -> None:
 
 
 def test_no_load_is_larger_than_what_can_be_applied(rivals) -> None:
+    """By hand: the loads left in the pool."""
     pool = Pool.of(["wrench"]).within({"fx_N": 0.0, "tau_Nm": 0.0, "fz_N": 50.0})
     assert sorted(pool.loads[:, 3]) == [-33.0, 33.0]
     assert np.count_nonzero(pool.loads) == 2

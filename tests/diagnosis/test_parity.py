@@ -30,6 +30,7 @@ def changed(data, **columns):
 
 
 def test_clean_data_raise_no_alarm_more_often_than_allowed(clean) -> None:
+    """Binomial: alarms in 50 clean sets."""
     alpha, alarms, runs = 0.05, 0, 50
     for seed in range(runs):
         found = parity(readings(NECK, clean, NOISE, seed), alpha=alpha, seed=seed)
@@ -39,6 +40,7 @@ def test_clean_data_raise_no_alarm_more_often_than_allowed(clean) -> None:
 
 
 def test_p_values_of_pure_noise_are_uniform() -> None:
+    """Kolmogorov-Smirnov test on 60 sets of pure noise."""
     rng, found = np.random.default_rng(5), []
     for seed in range(60):
         noise = [np.ascontiguousarray(column) for column in (rng.standard_t(3, (GRID.n, 3)) * 1e-4).T]
@@ -50,17 +52,20 @@ def test_p_values_of_pure_noise_are_uniform() -> None:
 
 @pytest.mark.parametrize("name", ["precurvature", "neutral_axis_offset", "clamp_tilt", "pulley_shift"])
 def test_what_differs_left_and_right_is_odd(name) -> None:
+    """Mirror symmetry: an odd effect of the test bed."""
     hidden = NECK.replace(**{name: {"precurvature": 0.1, "clamp_tilt": 0.01}.get(name, 1e-3)})
     assert parity(measure(hidden, GRID, NOISE, 1)).verdict == ("odd",)
 
 
 def test_random_loads_are_paired_too() -> None:
+    """Mirror symmetry: an odd effect, and none."""
     loads = tendon_test(300, seed=2)
     assert parity(measure(NECK.replace(clamp_tilt=0.01), loads, NOISE, 1)).verdict == ("odd",)
     assert parity(measure(NECK, loads, NOISE, 1)).verdict == ()
 
 
 def test_what_is_alike_on_both_sides_shows_against_a_model_alone() -> None:
+    """Mirror symmetry: an even effect of the test bed."""
     data = measure(NECK.replace(pulley_spacing=5e-3), GRID, NOISE, 1)
     assert parity(data).verdict == ()
     assert "model" in parity(data).tests["even"].gap
@@ -68,7 +73,7 @@ def test_what_is_alike_on_both_sides_shows_against_a_model_alone() -> None:
 
 
 @pytest.mark.parametrize("size", [4e-3, -4e-3])
-def test_what_calibration_leaves_of_a_law_alike_on_both_sides_is_even(size) -> None:
+def test_what_calibration_leaves_of_an_even_law_is_even(size) -> None:
     """EI takes in the part that is linear in the difference of the forces, the one that needs no order of the pairs."""
     data = measure(NECK.replace(bending_cubic=size), GRID, NOISE, 1)
     fitted = identify(NECK, data, ["EA", "GA", "EI"]).mechanism
@@ -76,6 +81,7 @@ def test_what_calibration_leaves_of_a_law_alike_on_both_sides_is_even(size) -> N
 
 
 def test_friction_is_seen_as_path() -> None:
+    """By hand: a step of 2 mrad with the direction of travel."""
     data = measure(NECK, tendon_test(grid=6, replicated=36, replicates=3, seed=3), NOISE, 4)
     came = np.sign(np.diff(data.lam_l - data.lam_r, prepend=0.0))
     found = parity(changed(data, theta=data.theta - 2e-3 * came))  # 1 N of dry friction turns the tip so far
@@ -84,6 +90,7 @@ def test_friction_is_seen_as_path() -> None:
 
 
 def test_a_camera_that_wanders_is_seen_as_drift() -> None:
+    """Known truth: a drift of the test bed's camera."""
     loads = tendon_test(grid=6, replicated=36, replicates=3, seed=3)
     found = parity(measure(NECK, loads, replace(NOISE, camera_drift=(0.0, 5e-4, 0.0)), 4))
     assert "drift" in found.verdict
@@ -91,6 +98,7 @@ def test_a_camera_that_wanders_is_seen_as_drift() -> None:
 
 
 def test_missing_pairs_are_named() -> None:
+    """By hand: loads on one side alone."""
     one_sided = measure(NECK, tendon_test(grid=6, seed=1), NOISE, 1)
     one_sided = one_sided.select(one_sided.lam_l > one_sided.lam_r + 10.0)
     found = parity(one_sided)
@@ -102,6 +110,7 @@ def test_missing_pairs_are_named() -> None:
 
 
 def test_a_channel_that_was_not_measured_is_left_out(clean) -> None:
+    """By hand: a blank channel, and z moved by 1 mm."""
     data = readings(NECK, clean, NOISE, 1)
     blank = changed(data, theta=np.full(data.n, np.nan), z=data.z + 1e-3)
     found = parity(blank)
@@ -113,12 +122,14 @@ def test_a_channel_that_was_not_measured_is_left_out(clean) -> None:
 
 
 def test_a_side_force_is_mirrored_with_its_sign() -> None:
+    """Mirror symmetry: with and without an odd effect."""
     loads = shear_test(np.linspace(-66.0, 66.0, 24))
     assert parity(measure(NECK, loads, NOISE, 1)).verdict == ()
     assert parity(measure(NECK.replace(precurvature=0.2), loads, NOISE, 1)).verdict == ("odd",)
 
 
 def test_bad_arguments_are_told() -> None:
+    """Contract: the text of the error."""
     with pytest.raises(InputError, match="alpha = 2"):
         parity(GRID, alpha=2)
     with pytest.raises(InputError, match=r"\(2, 3\)"):
@@ -126,5 +137,6 @@ def test_bad_arguments_are_told() -> None:
 
 
 def test_the_same_seed_gives_the_same_answer(clean) -> None:
+    """Contract: the same seed, the same text."""
     data = readings(NECK, clean, NOISE, 2)
     assert repr(parity(data, seed=1)) == repr(parity(data, seed=1))

@@ -47,6 +47,7 @@ def density(size, one_sided):
 
 @pytest.mark.parametrize("i", range(6))
 def test_evidence_of_an_effect_is_the_integral_over_its_sizes(system, i):
+    """SciPy's quad over the size of the effect."""
     residual, nuisances, signatures = system
     singles, _ = EvidenceMatrix.of(residual, nuisances, signatures, ONE_SIDED, np.zeros(6)).singles()
     of = likelihood(residual, nuisances, signatures[:, [i]])
@@ -77,6 +78,7 @@ def test_evidence_of_pairs_is_the_integral_over_both_sizes(system):
 
 
 def test_an_effect_made_free_leaves_what_least_squares_leaves(system):
+    """NumPy's lstsq."""
     residual, nuisances, signatures = system
     gram = EvidenceMatrix.of(residual, nuisances, signatures, np.zeros(6, dtype=bool), np.zeros(6)).without(
         np.array([1, 4])
@@ -107,7 +109,8 @@ def test_the_gain_of_typical_sizes_is_the_ratio_of_two_integrals(mean, sigmas, o
     assert size_factor(np.array([size]), np.array([std]), np.array([one_sided]))[0] == pytest.approx(exact, abs=5e-3)
 
 
-def test_the_largest_score_exceeds_its_quantile_as_often_as_was_asked_for():
+def test_the_score_exceeds_its_quantile_as_often_as_asked():
+    """Monte Carlo: 2000 sets of pure noise."""
     rng = np.random.default_rng(2)
     signatures = rng.standard_normal((60, 4)) @ rng.standard_normal((4, 30))  # far more effects than directions
     nuisances, alpha, n = rng.standard_normal((60, 3)), 0.05, 2000
@@ -123,6 +126,7 @@ def test_the_largest_score_exceeds_its_quantile_as_often_as_was_asked_for():
 
 
 def test_the_gates_say_how_rare_their_statistic_is():
+    """Student's t by SciPy."""
     rng = np.random.default_rng(3)
     signature = rng.standard_normal((50, 1))
     gram = EvidenceMatrix.of(rng.standard_normal(50), np.ones((50, 1)), 9.0 * signature, np.array([False]), np.zeros(1))
@@ -152,7 +156,8 @@ def test_a_memory_half_known_costs_only_what_changes_slowly():
     assert cleaned.trusted_dof() == pytest.approx(1.0 / (0.01 + slow))
 
 
-def test_innovations_of_fading_noise_with_missing_rows_are_independent():
+def test_innovations_with_missing_rows_are_independent():
+    """Theory of AR(1): the whitened covariance is the identity."""
     rows = np.array([0, 1, 2, 5, 6, 9, 10, 11])
     chain = RowOrder.of(np.array([0] * 7 + [1] * 5), rows)
     covariance = 0.6 ** np.abs(rows[:, None] - rows)
@@ -169,7 +174,8 @@ def noise_of(rng, n, memory=0.0):
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.3])
-def test_scale_and_memory_of_the_noise_are_found_beside_many_free_columns(memory):
+def test_scale_and_memory_of_noise_are_found(memory):
+    """Monte Carlo: known scale and correlation beside 40 free columns."""
     rng = np.random.default_rng(4)
     n, sets = 80, 60
     chain, found = RowOrder.of(np.zeros(n, dtype=np.int64), np.arange(n)), []
@@ -184,7 +190,8 @@ def test_scale_and_memory_of_the_noise_are_found_beside_many_free_columns(memory
     assert not any(entry.outlier.any() for entry in found)
 
 
-def test_an_outlier_is_found_also_where_it_draws_the_fit_to_itself():
+def test_an_outlier_is_found_also_at_high_leverage():
+    """By hand: one reading moved by 30 sigma where the leverage is 90 %."""
     rng = np.random.default_rng(5)
     n = 60
     basis = rng.standard_normal((n, 3, 20))
@@ -198,7 +205,8 @@ def test_an_outlier_is_found_also_where_it_draws_the_fit_to_itself():
     assert np.all(found.residual[7] == 0.0)
 
 
-def test_what_a_row_s_removal_takes_off_is_what_a_fit_without_it_takes_off():
+def test_removing_a_row_takes_off_what_a_fit_without_it_does():
+    """NumPy's lstsq without the row."""
     rng = np.random.default_rng(6)
     columns, residual = rng.standard_normal((30, 4)), rng.standard_normal((10, 3))
 
@@ -216,6 +224,7 @@ def test_what_a_row_s_removal_takes_off_is_what_a_fit_without_it_takes_off():
 
 
 def test_heavy_tails_are_seen_and_cost_less_than_their_variance():
+    """Monte Carlo: Student's t with 3 degrees of freedom."""
     rng = np.random.default_rng(7)
     n = 400
     basis, chain = rng.standard_normal((n, 3, 10)), RowOrder.of(np.zeros(n, dtype=np.int64), np.arange(n))
@@ -225,7 +234,8 @@ def test_heavy_tails_are_seen_and_cost_less_than_their_variance():
     assert np.all(found.scale < 0.85)  # the bound of Cramer and Rao is (1/2)^1/2
 
 
-def test_the_lock_takes_a_quarter_of_the_loads_with_all_their_repeats():
+def test_the_holdout_takes_a_quarter_with_all_repeats():
+    """Counting: 40 loads, three times each."""
     load = np.random.default_rng(8).permutation(np.repeat(np.arange(40), 3))
     columns = {"lam_l_N": 4.0 * load, "lam_r_N": 160.0 - 4.0 * load, "pose_id": [f"p{i}" for i in load]}
     data = Measurements.from_columns({**columns, "x_m": 0.1 + 0.0 * load})
@@ -236,14 +246,16 @@ def test_the_lock_takes_a_quarter_of_the_loads_with_all_their_repeats():
     assert not lock([data.select(np.arange(12))], 0).any()
 
 
-def test_priors_are_in_standard_deviations_with_their_derivatives():
+def test_priors_are_in_standard_deviations():
+    """By hand: a logarithmic, a linear and no prior."""
     prior = Priors(np.array([3.0, 2.0, 7.0]), np.array([0.5, 0.1, np.inf]), np.array([True, False, False]))
     off, slope = prior.rows(np.array([6.0, 2.2, 1.0]))
     np.testing.assert_allclose(off, [np.log(2.0) / 0.5, 2.0])
     np.testing.assert_allclose(slope, [[1.0 / 3.0, 0.0, 0.0], [0.0, 10.0, 0.0]])
 
 
-def test_a_local_disagreement_is_found_where_it_is_and_chance_is_what_it_says():
+def test_a_local_disagreement_is_found_where_it_is():
+    """Monte Carlo: 200 sets of pure noise, and a known region."""
     rng = np.random.default_rng(8)
     lam = np.array([(a, b) for a in np.linspace(0.0, 160.0, 9) for b in np.linspace(0.0, 160.0, 9)])
     count = np.full(81, 3.0)

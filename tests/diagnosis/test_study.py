@@ -43,6 +43,7 @@ def bent():
 
 
 def test_a_hidden_precurvature_is_named_measured_and_proven(bent):
+    """Known truth of the test bed: name, size, hold-out error."""
     found = diagnose(NECK, bent)
     assert (found.verdict, found.names) == ("named", ("precurvature",))
     low, high = found.effects[0].interval["precurvature"]
@@ -56,7 +57,8 @@ def test_a_hidden_precurvature_is_named_measured_and_proven(bent):
         assert abs(found.calibration[name].value - truth) < 4.0 * found.calibration[name].std
 
 
-def test_clean_data_get_no_name_and_the_table_of_what_would_have_shown(clean):
+def test_clean_data_get_no_name_and_a_table_of_sizes(clean):
+    """Binomial: alarms in ten clean sets of the test bed."""
     alarms = [diagnose(NECK, readings(MADE, clean, seed=i), seed=i).verdict != "nothing_found" for i in range(10)]
     assert sum(alarms) <= 1  # 1 % asked: two of ten would come once in 240
     found = diagnose(NECK, readings(MADE, clean, seed=99))
@@ -66,7 +68,8 @@ def test_clean_data_get_no_name_and_the_table_of_what_would_have_shown(clean):
     assert seen["precurvature"] < 0.02
 
 
-def test_an_effect_as_small_as_promised_is_found_nine_times_in_ten():
+def test_an_effect_as_small_as_promised_is_found():
+    """Binomial: the smallest detectable size, hidden twelve times."""
     smallest = next(s.smallest for s in plan(NECK, LOADS).sights if s.name == "clamp_tilt")
     made = equilibria(MADE.replace(clamp_tilt=1.3 * smallest), LOADS)
     count = sum(
@@ -78,6 +81,7 @@ def test_an_effect_as_small_as_promised_is_found_nine_times_in_ten():
 
 
 def test_look_alikes_come_with_every_name():
+    """Known truth: constant pulls look alike on these loads."""
     data = measure(MADE.replace(gravity_tilt=0.03), LOADS, seed=4)
     claim = diagnose(NECK, data).effects[0]
     assert "gravity_tilt" in {claim.name, *claim.look_alikes}
@@ -85,6 +89,7 @@ def test_look_alikes_come_with_every_name():
 
 
 def test_outliers_are_named_by_row_and_do_no_harm(clean):
+    """Known truth: the rows that the test bed spoilt."""
     data = readings(MADE, clean, Sensors(outlier_share=0.03), seed=11)
     off = np.abs(data.pose - readings(MADE, clean, seed=11).pose).max(axis=1) > 3e-4
     found = diagnose(NECK, data)
@@ -95,6 +100,7 @@ def test_outliers_are_named_by_row_and_do_no_harm(clean):
 
 
 def test_what_is_declared_uncertain_is_never_named():
+    """Known truth: rotation and offset of the camera."""
     data = measure(MADE, LOADS, Sensors(camera_rotation=0.01, camera_offset=(3e-4, -5e-4, 0.0)), seed=5)
     assert diagnose(NECK, data).verdict != "nothing_found"
     found = diagnose(NECK, data, uncertain={"camera_frame": None})
@@ -102,13 +108,15 @@ def test_what_is_declared_uncertain_is_never_named():
     assert abs(found.calibration["camera_rotation"].value - 0.01) < 4.0 * found.calibration["camera_rotation"].std
 
 
-def test_material_tests_raise_an_alarm_where_calibration_leaves_them(clean):
+def test_material_tests_raise_an_alarm(clean):
+    """By hand: a prior far from the known stiffness."""
     data = readings(MADE, clean, seed=6)
     assert not diagnose(NECK, data, priors={"EI": (2.95, 0.01)}).alarms
     assert "EI" in diagnose(NECK, data, priors={"EI": (3.2, 0.01)}, max_effects=0).alarms[0]
 
 
 def test_a_plan_needs_no_poses_and_mirror_classes_do_not_mix():
+    """Mirror symmetry: even and odd signatures are orthogonal."""
     found = plan(NECK, LOADS)
     place = {name: i for i, name in enumerate(found.names)}
     even = [place[name] for name in found.names if CATALOGUE[name].mirror == "even"]
@@ -121,7 +129,8 @@ def test_a_plan_needs_no_poses_and_mirror_classes_do_not_mix():
     assert "force_gain" in found.of("absorbed")
 
 
-def test_the_distance_to_the_nearest_rival_is_what_a_fit_of_it_leaves():
+def test_the_distance_to_a_rival_is_what_its_fit_leaves():
+    """Another program path: `identify` with the rival."""
     exact = measure(MADE.replace(bending_one_sided=0.003), LOADS, Sensors(camera_sigma=(0.0, 0.0, 0.0)), seed=1)
     told = declared(exact)
     found = standing(NECK, told, ("bending_one_sided",))
@@ -133,7 +142,7 @@ def test_the_distance_to_the_nearest_rival_is_what_a_fit_of_it_leaves():
     assert min(left) == left[0] == pytest.approx(found.apart, rel=0.01)
 
 
-def test_the_nearest_rival_may_have_its_further_parameters_far_from_usual():
+def test_the_nearest_rival_may_have_unusual_parameters():
     """A camera that lags by four seconds is nearly a neck that forgets all in four seconds, not in the usual minute."""
     exact, _ = hide(effects={"camera_lag": 4.0}, design="T", seed=1, noise="none", spread=False)
     told = declared(exact)
@@ -144,7 +153,8 @@ def test_the_nearest_rival_may_have_its_further_parameters_far_from_usual():
     assert found.apart <= np.linalg.norm(sigmas) < 5.0
 
 
-def test_how_far_one_of_two_stands_out_is_what_a_fit_of_the_other_leaves():
+def test_one_of_two_stands_out_by_what_the_other_leaves():
+    """Another program path: `identify` with the other effect."""
     exact = measure(MADE.replace(bending_one_sided=0.003, camera_z_offset=2e-4), LOADS,
                     Sensors(camera_sigma=(0.0, 0.0, 0.0)), seed=1)  # fmt: skip
     told = declared(exact)
@@ -154,7 +164,7 @@ def test_how_far_one_of_two_stands_out_is_what_a_fit_of_the_other_leaves():
         assert found[name] == pytest.approx(np.sqrt(identify(NECK, seen, [*free, rest]).chi2), rel=0.01)
 
 
-def test_instruments_that_drift_by_less_than_their_noise_show_no_effect(clean):
+def test_drift_below_the_noise_shows_no_effect(clean):
     """Three channels drift by one standard deviation of their priors: no statistic exceeds the root of 3."""
     drifting = Sensors(camera_sigma=(0.0, 0.0, 0.0), camera_drift=(3e-5, -3e-5, 3e-4))
     told = declared(readings(MADE, clean, drifting, seed=1))
@@ -182,6 +192,7 @@ def test_a_build_within_its_tolerances_shows_no_effect():
 
 
 def test_many_files_drift_as_one():
+    """Counting: columns of drift for one, four and five files."""
     blank = replace(declared(LOADS), x=np.full(LOADS.n, 0.1), z=np.zeros(LOADS.n), theta=np.zeros(LOADS.n))
     for files, columns in ((1, 3), (4, 12), (5, 3)):
         problem = Study(NECK, [blank] * files).problem()
@@ -193,6 +204,7 @@ def test_many_files_drift_as_one():
 
 @pytest.mark.parametrize(("name", "size"), [("camera_lag", 6.0), ("slack", 20.0), ("wall", 2000.0)])
 def test_what_is_in_no_catalogue_gets_no_name(name, size):
+    """Known truth: an effect outside the catalogue."""
     found = diagnose(NECK, measure(MADE, LOADS, seed=9, hidden={name: size}))
     assert (found.verdict, found.effects) == ("outside_catalogue", ())
 
@@ -206,6 +218,7 @@ def test_an_explanation_that_cannot_be_meant_is_no_answer():
 
 
 def test_a_stop_is_found_at_the_angle_where_it_is(clean):
+    """Known truth: the angle of the test bed's stop."""
     made = MADE.replace(**{"effects.contact_stop.stiffness": 5.0, "effects.contact_stop.angle": 0.3})
     found = diagnose(NECK, measure(made, LOADS, seed=5))
     assert found.names == ("contact_stop",)
@@ -213,7 +226,7 @@ def test_a_stop_is_found_at_the_angle_where_it_is(clean):
     assert low < 0.3 < high < 0.33
 
 
-def test_a_stop_beside_a_larger_effect_is_found_at_the_angle_where_it_is():
+def test_a_stop_beside_a_larger_effect_is_found():
     """The usual angle is out of reach, and what the larger effect does hides the stop from the first look."""
     stop = {"effects.contact_stop.stiffness": 4.0, "effects.contact_stop.angle": 0.33}
     found = diagnose(NECK, measure(MADE.replace(bending_one_sided=0.02, **stop), LOADS, seed=3))
@@ -222,7 +235,8 @@ def test_a_stop_beside_a_larger_effect_is_found_at_the_angle_where_it_is():
     assert low < 0.33 < high < 0.35
 
 
-def test_a_second_effect_that_the_evidence_is_for_is_named_though_no_test_asks_for_it():
+def test_a_second_effect_is_named_by_evidence_alone():
+    """Known truth: both hidden effects."""
     hidden = {"clamp_lateral_compliance": 5e-6, "force_crosstalk": 0.015}
     data, _ = hide(effects=hidden, design="T+S", noise="force", seed=1)
     found = diagnose(NECK, data, priors={"EA": (7500.0, 75.0), "GA": (2420.0, 17.0), "EI": (3.0, 0.01)})
@@ -234,7 +248,7 @@ def test_a_second_effect_that_the_evidence_is_for_is_named_though_no_test_asks_f
         assert low < size < high
 
 
-def test_two_bending_laws_whose_sum_has_no_equilibrium_to_start_from_are_found():
+def test_two_laws_without_a_starting_equilibrium_are_found():
     """The first law alone takes on what the second one does; with that on top the neck of the start would buckle."""
     hidden = {"bending_one_sided": 0.0259, "bending_amplitude": -0.0198}
     data, _ = hide(effects=hidden, design="T+S", noise="force", seed=501044113)
@@ -244,7 +258,7 @@ def test_two_bending_laws_whose_sum_has_no_equilibrium_to_start_from_are_found()
     assert found.gap.after.sigma < 1.25
 
 
-def test_two_rows_that_a_stop_moves_are_no_outliers_wherever_it_is():
+def test_two_rows_that_a_stop_moves_are_no_outliers():
     """Two of the open rows bend further to its side than the angle, which nobody expects there."""
     stop = {"effects.contact_stop_one_sided.stiffness": 8.0, "effects.contact_stop_one_sided.angle": 0.36}
     found = diagnose(NECK, measure(MADE.replace(**stop), LOADS, seed=1))
@@ -252,7 +266,8 @@ def test_two_rows_that_a_stop_moves_are_no_outliers_wherever_it_is():
     assert not found.rows.outlier.any()
 
 
-def test_rows_that_a_stop_moves_are_no_outliers_and_outliers_are_no_stop(clean):
+def test_rows_at_a_stop_are_no_outliers_and_the_reverse(clean):
+    """Known truth: a stop, and then outliers in the same rows."""
     made = MADE.replace(**{"effects.contact_stop.stiffness": 9.0, "effects.contact_stop.angle": 0.385})
     stopped = measure(made, LOADS, seed=6)
     assert diagnose(NECK, stopped).names == ("contact_stop",)
@@ -288,7 +303,8 @@ def left_of(effect, parts, scatter=np.inf):
     return np.linalg.norm(own - fitted @ np.linalg.lstsq(fitted, own, rcond=None)[0])
 
 
-def test_what_does_not_show_is_said_with_the_loads_that_would_show_it():
+def test_what_does_not_show_comes_with_loads_that_would():
+    """The same plan with those loads added."""
     loads, more = tendon_test(grid=3), Pool.of(["wrench"]).data  # a grid of nine has no locked rows
     sights = {sight.name: sight for sight in plan(NECK, loads).sights}
     found = sights["shear_cubic"]
@@ -299,7 +315,7 @@ def test_what_does_not_show_is_said_with_the_loads_that_would_show_it():
     assert found.shown_sigmas == pytest.approx(left_of("shear_cubic", (loads, more)), rel=0.01)
 
 
-def test_what_calibration_swallows_is_said_with_the_tests_of_the_material_that_would_show_it():
+def test_what_calibration_absorbs_comes_with_material_tests():
     """Their scatter is the paper's: 1 %, 0.7 % and 0.3 %."""
     loads = tendon_test(grid=3)
     scatter = [find(name).typical / find(name).default for name in ("EA", "GA", "EI")]
@@ -312,6 +328,7 @@ def test_what_calibration_swallows_is_said_with_the_tests_of_the_material_that_w
 
 
 def test_the_road_by_command_line(tmp_path, capsys, bent):
+    """Known truth, by the commands from diagnose to score."""
     bent.to_csv(tmp_path / "run.csv")
     fresh = measure(MADE.replace(precurvature=0.12), shear_test(np.linspace(-60.0, 60.0, 31)), seed=8)
     fresh.to_csv(tmp_path / "fresh.csv")
@@ -329,7 +346,8 @@ def test_the_road_by_command_line(tmp_path, capsys, bent):
     assert json.loads(capsys.readouterr().out)["rows"] == 31
 
 
-def test_what_was_told_is_not_asked_for_and_what_never_shows_has_no_size(tmp_path, capsys, clean, monkeypatch):
+def test_what_was_given_is_not_asked_for_again(tmp_path, capsys, clean, monkeypatch):
+    """Contract: lines of the answer with and without the noise given."""
     monkeypatch.chdir(tmp_path)
     data = readings(MADE, clean, seed=8)
     replace(data, sigma_lam=np.full(data.n, np.nan)).to_csv("clean.csv")
@@ -343,6 +361,7 @@ def test_what_was_told_is_not_asked_for_and_what_never_shows_has_no_size(tmp_pat
 
 
 def test_hostile_questions_are_answered_in_one_line(bent):
+    """Contract: the text of the error."""
     for options, text in (
         ({"candidates": ["precurvatur"]}, "did you mean 'precurvature'"),
         ({"candidates": []}, "give at least one effect"),
@@ -370,7 +389,8 @@ def test_noise_far_beyond_what_is_declared_is_not_nothing(clean):
     assert any("times as much as the noise that is declared" in text for text in answer.warnings)
 
 
-def test_a_channel_that_nobody_measured_is_left_out_of_what_other_loads_would_show(clean):
+def test_an_unmeasured_channel_counts_for_no_other_loads(clean):
+    """By construction: theta is blank, so what theta alone shows has no sigma."""
     data = replace(readings(MADE, clean, seed=4), theta=np.full(LOADS.n, np.nan))
     sights = {sight.name: sight for sight in diagnose(NECK, data).sights}
     whole = {sight.name: sight for sight in plan(NECK, LOADS).sights}

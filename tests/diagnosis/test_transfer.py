@@ -33,12 +33,14 @@ def side():
 
 
 def test_noise_alone_exceeds_what_is_allowed_once_in_a_hundred():
+    """Monte Carlo: 20000 draws of pure noise."""
     drawn = np.sqrt(np.mean(np.random.default_rng(1).standard_normal((20000, 27)) ** 2, axis=1))
     assert 0.008 < np.mean(drawn > allowed(27)) < 0.012  # 200 expected, standard deviation 14
     assert allowed(10000) == 1.1  # chance alone allows less there
 
 
 def test_the_right_name_carries_over(bent, side):
+    """Known truth of the test bed, on side forces."""
     found = diagnose(NECK, bent, priors=KNOWN, test=side)
     (entry,) = found.transfer
     assert found.names == ("precurvature",)
@@ -79,6 +81,7 @@ def test_a_wrong_name_is_refuted_before_it_is_given(bent, side, tmp_path, capsys
 
 
 def test_a_test_file_with_a_wrong_sign_is_refused(bent, side, tmp_path, capsys):
+    """By hand: the sign of a column turned."""
     bent.to_csv(tmp_path / "run.csv")
     replace(side, fz=-side.fz).to_csv(tmp_path / "side.csv")
     words = ["diagnose", str(tmp_path / "run.csv"), "--test", str(tmp_path / "side.csv"), "--out", str(tmp_path)]
@@ -97,7 +100,8 @@ def test_a_calibration_that_may_move_is_told_from_a_wrong_name(bent, side):
     assert "not known well enough to tell" in found.sentence
 
 
-def test_what_is_left_within_the_doubt_is_a_distance_of_mahalanobis(bent):
+def test_what_is_left_within_the_doubt_is_mahalanobis(bent):
+    """Linear algebra: the Mahalanobis distance, by NumPy."""
     side = measure(TRUTH, SIDE, seed=8)  # exact force cells: the noise is the camera's alone
     study = Study(NECK, bent, candidates=["precurvature"])
     found = search_all(study.problem(), 0.01, 1, 0)

@@ -27,6 +27,7 @@ def said(*tests, verdict="named", only=None):
 
 
 def test_a_size_has_its_unit_its_interval_and_its_meaning() -> None:
+    """By hand: the text."""
     line = size(CLAIM, NAME)
     assert line == "clamp_rotation_compliance = 0.00152 rad/(N m) (90 %: 0.00143 to 0.00161)"
     assert meaning(CLAIM) == "the clamp turns under the beam's couple"
@@ -49,7 +50,8 @@ def test_look_alikes_have_the_sizes_that_they_would_have() -> None:
     assert alike(pairs, (NAME, "creep"), CLAIM) == ""
 
 
-def test_the_next_best_is_the_first_that_can_be_meant_outside_of_the_set() -> None:
+def test_the_next_best_is_the_first_plausible_one_outside() -> None:
+    """By hand: odds of 28 to 1, and the text."""
     models = [
         model("clamp_rotation_compliance", 0.0, in_set=True),
         model("lever_arm", 2.0, "would have to be negative"),
@@ -64,6 +66,7 @@ def test_the_next_best_is_the_first_that_can_be_meant_outside_of_the_set() -> No
 
 
 def test_what_fails_comes_first_and_what_holds_comes_last() -> None:
+    """By hand: the text."""
     assert said(shown(7.0)).startswith(f"{NAME} does NOT carry over to side.csv: 7 times the noise is left (18 without")
     assert "Fit both" in said(shown(7.0))
     assert "within their doubt 5 are left. Fit" in said(shown(7.0))
@@ -84,6 +87,7 @@ def test_what_fails_comes_first_and_what_holds_comes_last() -> None:
 
 
 def test_who_allows_few_names_is_told_so() -> None:
+    """By hand: the text."""
     assert "may be named" not in said()
     assert said(only=[NAME]).endswith(f"Only {NAME} may be named here: another effect may fit better.")
     assert said(only=["soft_spot"] * 9).endswith("Only 9 effects may be named here: another effect may fit better.")
@@ -93,6 +97,7 @@ def test_who_allows_few_names_is_told_so() -> None:
 
 
 def test_test_files_that_refute_look_alikes_say_which_are_left() -> None:
+    """By hand: the text."""
     claim = replace(CLAIM, look_alikes=("lever_arm", "soft_spot"))
 
     def end(*rivals):

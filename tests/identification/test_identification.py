@@ -57,7 +57,8 @@ def tendons():
 # The paper's compression test, Table 1
 
 
-def test_hooke_overestimates_the_stiffness_of_an_exact_neo_hookean_specimen():
+def test_hooke_overestimates_an_exact_neo_hookean_specimen():
+    """Closed form: a ratio of two sums over the exact positions."""
     # Hooke's x is L (1 + N / EA_H), so that (42) is linear in 1 / EA_H: a ratio of two sums, or of two integrals
     stretch = np.linspace(1.0, 0.8, 41)
     n = push(stretch)
@@ -74,6 +75,7 @@ def test_hooke_overestimates_the_stiffness_of_an_exact_neo_hookean_specimen():
 
 
 def test_the_ratio_tends_to_its_closed_form():
+    """Closed form: a ratio of two integrals, by SciPy's quad."""
     specimen, pushes = compression_test(0.040, n=2001)
     middle = 0.5 * (pushes.fx[1:] + pushes.fx[:-1])  # midpoints have no weight too many at the ends
     data = Measurements.from_columns({"fx_N": middle, "x_m": 0.040 * stretches(middle / 7500.0)})
@@ -84,6 +86,7 @@ def test_the_ratio_tends_to_its_closed_form():
 
 
 def test_both_specimens_share_one_stiffness():
+    """Closed form: the weighted mean of two estimates."""
     sets = [(*datasets.load(f"simulated_compression_{length}"), ("x",)) for length in ("28mm", "40mm")]
     alone = [identify(*entry[:2], ["EA"], channels=("x",))["EA"] for entry in sets]
     weights = np.array([estimate.std**-2.0 for estimate in alone])
@@ -97,7 +100,8 @@ def test_both_specimens_share_one_stiffness():
 
 
 @pytest.mark.skipif(not MEASURED.exists(), reason=f"{MEASURED} with measurements of others is not here")
-def test_measured_silicone_under_compression_is_neo_hookean_and_hooke_overestimates_it():
+def test_measured_silicone_is_neo_hookean():
+    """Published: measurements of Meunier et al. 2008."""
     # Meunier, Chagnon, Favier, Orgeas & Vacher, Polymer Testing 27 (2008) 765-777; stretch, nominal stress [MPa]
     rows = np.loadtxt(MEASURED / "meunier2008_silicone_uniaxial.csv", delimiter=",", comments="#", skiprows=5)
     rows = rows[(rows[:, 0] >= 0.78) & (rows[:, 0] <= 1.0)]
@@ -121,6 +125,7 @@ def test_measured_silicone_under_compression_is_neo_hookean_and_hooke_overestima
 
 
 def test_recovery_from_the_test_bed_to_the_solver_s_last_digits(tendons):
+    """Known truth of the test bed, without noise."""
     data = readings(Mechanism(), tendons, EXACT)
     fit = identify(Mechanism().replace(**OFF), data, STIFFNESSES)
     np.testing.assert_allclose(fit.values, [7500.0, 2420.0, 3.0], rtol=2e-6)
@@ -130,6 +135,7 @@ def test_recovery_from_the_test_bed_to_the_solver_s_last_digits(tendons):
 
 
 def test_recovery_with_noise_within_the_intervals_stated():
+    """Known truth of the bundled simulated sets."""
     neck, data = datasets.load("simulated_slender_tendon")
     shear = datasets.load("simulated_slender_shear")[1]
     fit = identify(neck.replace(**OFF), [data, shear], STIFFNESSES, level=0.999)
@@ -141,6 +147,7 @@ def test_recovery_with_noise_within_the_intervals_stated():
 
 
 def test_parameters_of_every_kind_from_a_mix_of_experiments():
+    """Known truth of the test bed, without noise."""
     hidden = {"EA": 7300.0, "EI": 2.9, "head.mass": 1.3, "precurvature": 0.15, "pulley_x": 3e-3}
     truth = Mechanism().replace(**hidden)
     loads = in_sequence(
@@ -154,6 +161,7 @@ def test_parameters_of_every_kind_from_a_mix_of_experiments():
 
 
 def test_the_shear_test_counts_z_and_theta_alone():
+    """Contract: spoilt x changes nothing."""
     neck, data = datasets.load("simulated_slender_shear")
     spoilt = replace(data, x=data.x + 5e-3)
     fit = fit_shear(neck.replace(GA=2000.0, EI=3.3), spoilt)
@@ -175,6 +183,7 @@ def covered(tendons, sensors, count=500, **options):
 
 
 def test_intervals_hold_the_truth_as_often_as_they_claim():
+    """Binomial: 500 simulated campaigns."""
     # a shear test beside the tendons, so that GA is seen well enough for an interval that is no more than a parabola
     loads = in_sequence(tendon_test(40, seed=5), shear_test(np.linspace(-60.0, 60.0, 20)))
     held, squares = covered(equilibria(Mechanism(), loads).raise_if_failed(), Sensors())
@@ -182,7 +191,8 @@ def test_intervals_hold_the_truth_as_often_as_they_claim():
     assert np.all((squares > 0.8) & (squares < 1.25)), squares
 
 
-def test_noise_of_the_force_cells_widens_the_intervals_as_it_must():
+def test_force_noise_widens_the_intervals_as_it_must():
+    """Binomial: 500 simulated campaigns."""
     loads = in_sequence(tendon_test(40, seed=5), shear_test(np.linspace(-60.0, 60.0, 20)))
     found = equilibria(Mechanism(), loads).raise_if_failed()
     sensors = Sensors(camera_sigma=(2e-5, 2e-5, 2e-4), force_sigma=0.3)
@@ -194,7 +204,8 @@ def test_noise_of_the_force_cells_widens_the_intervals_as_it_must():
     assert any("times the noise" in text for text in fit.warnings)
 
 
-def test_the_profile_of_a_parabola_is_the_interval_and_that_of_others_is_not(tendons):
+def test_the_profile_of_a_parabola_is_the_interval(tendons):
+    """Theory: profile and interval agree where the model is linear; SciPy's chi-squared."""
     fit = identify(Mechanism(), readings(Mechanism(), tendons, Sensors(), 3), STIFFNESSES)
     profile = fit.profile("EI")
     assert profile.lower == pytest.approx(fit["EI"].lower, abs=0.05 * fit["EI"].std)
@@ -209,7 +220,8 @@ def test_the_profile_of_a_parabola_is_the_interval_and_that_of_others_is_not(ten
     assert np.all(shear.rise[~inside] >= shear.threshold * 0.99)
 
 
-def test_a_point_of_the_profile_is_a_fit_with_that_parameter_held(tendons):
+def test_a_point_of_the_profile_is_a_fit_with_it_held(tendons):
+    """Another way in: a fit with the parameter held."""
     data = readings(Mechanism(), tendons, Sensors(), 3)
     fit = identify(Mechanism(), data, STIFFNESSES)
     profile = fit.profile("GA")
@@ -220,7 +232,8 @@ def test_a_point_of_the_profile_is_a_fit_with_that_parameter_held(tendons):
 # The sum that is minimized
 
 
-def test_scipy_finds_the_same_minimum_with_finite_differences_and_many_more_solves(tendons):
+def test_scipy_finds_the_same_minimum(tendons):
+    """SciPy's least_squares with finite differences."""
     data = readings(Mechanism(), tendons, Sensors(), 1)
     start = Mechanism().replace(**OFF)
     fit = identify(start, data, STIFFNESSES)
@@ -240,7 +253,8 @@ def test_scipy_finds_the_same_minimum_with_finite_differences_and_many_more_solv
     assert fit.chi2 <= 2.0 * other.cost * (1.0 + 1e-12)
 
 
-def test_finite_differences_do_not_reach_the_digits_of_the_derivatives(tendons):
+def test_finite_differences_do_not_reach_the_derivatives(tendons):
+    """Finer mesh: derivatives by two elements, beside SciPy's forward differences."""
     neck, lam, scale = Mechanism(), tendons.loads.lam, np.array([7500.0, 2420.0, 3.0])
 
     def pose(u):
@@ -262,6 +276,7 @@ def test_finite_differences_do_not_reach_the_digits_of_the_derivatives(tendons):
 
 @pytest.mark.parametrize("loss", ["huber", "soft_l1"])
 def test_a_robust_minimum_is_that_of_scipy(loss):
+    """SciPy's least_squares with the same loss."""
     rng = np.random.default_rng(4)
     t = np.linspace(0.0, 2.0, 60)
     y = 3.0 * np.exp(-1.2 * t) + 0.05 * rng.standard_normal(t.size)
@@ -284,6 +299,7 @@ def test_a_robust_minimum_is_that_of_scipy(loss):
 
 
 def test_a_minimum_on_a_bound_is_that_of_scipy():
+    """SciPy's lsq_linear."""
     t = np.linspace(0.0, 1.0, 20)
     A = np.column_stack([np.ones_like(t), t, t**2])
     y = 1.0 - 0.5 * t + 0.3 * t**2
@@ -294,6 +310,7 @@ def test_a_minimum_on_a_bound_is_that_of_scipy():
 
 
 def test_outliers_hardly_move_a_robust_fit(tendons):
+    """Known truth: the same readings without their outliers."""
     sensors = Sensors(outlier_share=0.1, outlier_size=30.0)
     data = readings(Mechanism(), tendons, sensors, 8)
     clean = identify(Mechanism(), readings(Mechanism(), tendons, replace(sensors, outlier_share=0.0), 8), STIFFNESSES)
@@ -308,7 +325,8 @@ def test_outliers_hardly_move_a_robust_fit(tendons):
         assert np.all(np.abs(robust.values - [7500.0, 2420.0, 3.0]) < 4.0 * std)
 
 
-def test_a_robust_fit_that_must_estimate_its_noise_is_not_fooled_either(tendons):
+def test_a_robust_fit_that_estimates_its_noise_is_not_fooled(tendons):
+    """Known truth: stiffnesses and noise of the test bed."""
     sensors = Sensors(outlier_share=0.1, outlier_size=30.0, declared=False)
     fit = identify(Mechanism(), readings(Mechanism(), tendons, sensors, 8), STIFFNESSES, loss="huber")
     assert np.all(np.abs(fit.sigma - [1e-4, 1e-4, 1e-3]) < [4e-5, 4e-5, 4e-4])
@@ -319,6 +337,7 @@ def test_a_robust_fit_that_must_estimate_its_noise_is_not_fooled_either(tendons)
 
 
 def test_noise_from_replicates_and_from_the_residual():
+    """Known truth: the noise of the test bed."""
     loads = tendon_test(40, replicated=20, replicates=4, seed=3)
     found = equilibria(Mechanism(), loads).raise_if_failed()
     data = readings(Mechanism(), found, Sensors(camera_sigma=(1e-4, 5e-5, 2e-3), declared=False), 2)
@@ -336,7 +355,8 @@ def test_noise_from_replicates_and_from_the_residual():
     assert wider.noise == {"x": "replicates", "z": "declared", "theta": "replicates"}
 
 
-def test_replicates_do_not_count_the_noise_of_the_force_cells_twice():
+def test_replicates_do_not_count_force_noise_twice():
+    """Known truth: the camera's noise of the test bed."""
     loads = tendon_test(60, replicated=60, replicates=5, seed=3)
     found = equilibria(Mechanism(), loads).raise_if_failed()
     sensors = Sensors(camera_sigma=(1e-4, 1e-4, 1e-3), force_sigma=0.3, declared=False)
@@ -350,6 +370,7 @@ def test_replicates_do_not_count_the_noise_of_the_force_cells_twice():
 
 
 def test_what_pure_compression_cannot_see_is_told():
+    """Theory: pure compression does not depend on GA."""
     specimen, data = datasets.load("simulated_compression_28mm")
     fit = identify(specimen, data, ["EA", "GA"])
     assert len(fit.warnings) == 1
@@ -360,7 +381,8 @@ def test_what_pure_compression_cannot_see_is_told():
         fit.profile("GA")
 
 
-def test_a_combination_that_is_not_seen_is_named_and_a_prior_settles_it(tendons):
+def test_a_combination_that_is_not_seen_is_named(tendons):
+    """Theory: two masses act only as their sum."""
     data = readings(Mechanism(), tendons, Sensors(), 3)
     names = ["EI", "head.mass", "effects.head_mass"]  # the masses act only as their sum
     fit = identify(Mechanism(), data, names)
@@ -378,6 +400,7 @@ def test_a_combination_that_is_not_seen_is_named_and_a_prior_settles_it(tendons)
 
 
 def test_a_value_on_its_bound_is_told():
+    """By hand: readings that ask for a negative mass."""
     truth = Mechanism().replace(**{"head.mass": 0.0})
     data = sampled(truth, tendon_test(40, seed=1))
     lifted = replace(data, theta=data.theta * 0.99)  # as if the head weighed less than nothing
@@ -387,6 +410,7 @@ def test_a_value_on_its_bound_is_told():
 
 
 def test_a_drift_away_from_a_prior_is_told_with_its_size(tendons):
+    """Closed form: the mean of two normal densities."""
     data = readings(Mechanism(), tendons, Sensors(), 3)
     free = identify(Mechanism(), data, STIFFNESSES)["EA"]
     fit = identify(Mechanism(), data, STIFFNESSES, priors={"EA": (7900.0, 75.0)})
@@ -401,6 +425,7 @@ def test_a_drift_away_from_a_prior_is_told_with_its_size(tendons):
 
 
 def test_strong_correlation_is_told(tendons):
+    """By hand: the correlation and the text."""
     data = readings(Mechanism(), tendons, Sensors(), 3)
     fit = identify(Mechanism(), data, ["EA", "EI", "head.mass"])
     assert fit.correlation[1, 2] > 0.99
@@ -408,6 +433,7 @@ def test_strong_correlation_is_told(tendons):
 
 
 def test_a_law_that_does_not_hold_is_told():
+    """Known truth: the simulated specimen is neo-Hookean."""
     specimen, data = datasets.load("simulated_compression_28mm")
     found = fit_compression(specimen, data)
     assert found.neo_hookean.warnings == ()
@@ -417,7 +443,8 @@ def test_a_law_that_does_not_hold_is_told():
 # Rows and input
 
 
-def test_rows_without_an_equilibrium_are_left_out_with_their_reason():
+def test_rows_without_an_equilibrium_are_left_out():
+    """By hand: loads beyond any equilibrium among good ones."""
     neck, loads = Mechanism(), Measurements.from_columns({"lam_l_N": [20.0, 80.0, 10.0], "lam_r_N": [0.0, 10.0, 90.0]})
     clean = sampled(neck, loads, EXACT)
     spoilt = Measurements.from_columns(
@@ -438,7 +465,8 @@ def test_rows_without_an_equilibrium_are_left_out_with_their_reason():
     assert "left out: run.csv: row 4" in repr(fit)
 
 
-def test_rows_that_only_the_found_parameters_can_carry_come_back_in():
+def test_rows_that_only_the_fit_can_carry_come_back_in():
+    """Known truth of the test bed, from a start that fails in one row."""
     # the start is so weak that the last pair of tendons pulls it up to a pulley
     truth = Mechanism()
     loads = Measurements.from_columns({"lam_l_N": [20.0, 60.0, 400.0], "lam_r_N": [0.0, 10.0, 250.0]})
@@ -451,6 +479,7 @@ def test_rows_that_only_the_found_parameters_can_carry_come_back_in():
 
 
 def test_a_missing_channel_counts_nothing(tendons):
+    """Another way in: the same channels chosen by name."""
     data = readings(Mechanism(), tendons, Sensors(force_sigma=0.1), 3)
     blank = replace(data, x=np.full(data.n, np.nan))
     fit, only = identify(Mechanism(), blank, ["EI"]), identify(Mechanism(), data, ["EI"], channels=("z", "theta"))
@@ -479,6 +508,7 @@ def test_a_missing_channel_counts_nothing(tendons):
     ids=str,
 )
 def test_what_cannot_be_meant_is_told(options, text):
+    """Contract: the text of the error."""
     columns = {"lam_l_N": [40.0], "lam_r_N": [10.0], "x_m": [0.1], "z_m": [0.01], "theta_rad": [-0.1]}
     data = Measurements.from_columns(columns, source="run.csv")
     with pytest.raises(InputError) as caught:
@@ -487,6 +517,7 @@ def test_what_cannot_be_meant_is_told(options, text):
 
 
 def test_a_reading_without_noise_is_refused_with_its_row(tendons):
+    """Contract: the text of the error."""
     data = readings(Mechanism(), tendons, Sensors())
     sigma = np.where(np.arange(data.n) == 6, 0.0, data.sigma_z)
     with pytest.raises(InputError, match="row 7: sigma_z = 0: a fit weighs readings by their noise"):
@@ -494,12 +525,14 @@ def test_a_reading_without_noise_is_refused_with_its_row(tendons):
 
 
 def test_no_equilibrium_at_all_is_told():
+    """Contract: the text of the error."""
     data = Measurements.from_columns({"lam_l_N": [2000.0], "lam_r_N": [0.0], "x_m": [0.1]})
     with pytest.raises(InputError, match=r"^0 readings and priors \(1 rows have no stable equilibrium\) do not"):
         identify(Mechanism(), data, ["EI"])
 
 
 def test_the_result_reads_well_and_names_what_it_does_not_hold(tendons):
+    """By hand: the text."""
     fit = identify(Mechanism(), readings(Mechanism(), tendons, Sensors(), 3), ["EI"])
     lines = repr(fit).splitlines()
     assert lines[0] == "<Identification from 80 rows, 90% intervals; noise: x declared, z declared, theta declared"

@@ -21,7 +21,8 @@ def measured(sigma: float = 2e-4) -> ecm.Measurements:
     return ecm.Measurements.from_columns(columns)
 
 
-def test_samples_of_one_parameter_have_the_density_of_its_definition() -> None:
+def test_samples_of_one_parameter_have_its_density() -> None:
+    """The density integrated on a grid."""
     data, prior = measured(), (3.0, 0.1)
     found = posterior(ecm.Mechanism(), data, ["EI"], priors={"EI": prior}, steps=500, seed=3)
     grid = np.linspace(2.3, 3.5, 121)
@@ -41,6 +42,7 @@ def test_samples_of_one_parameter_have_the_density_of_its_definition() -> None:
 
 
 def test_many_readings_give_the_covariance_of_the_best_fit() -> None:
+    """Theory: with many readings the posterior is normal with the fit's covariance."""
     neck, whole = datasets.load("simulated_slender_tendon")
     few = slice(None, None, 6)
     columns = {"lam_l_N": whole.lam_l, "lam_r_N": whole.lam_r, "x_m": whole.x, "z_m": whole.z, "theta_rad": whole.theta}
@@ -59,6 +61,7 @@ def test_many_readings_give_the_covariance_of_the_best_fit() -> None:
 
 
 def test_what_cannot_be_sampled_is_said() -> None:
+    """Contract: the text of errors and warnings."""
     assert _complaints(np.array([3.0, 16.0]), 1000) == ()
     data = measured()
     with pytest.raises(InputError, match=r"^walkers = 3, steps = 1000: allowed is an even number from 2 up, and from"):

@@ -53,6 +53,7 @@ def test_one_element_sees_where_a_soft_spot_is(size, place, width):
 
 
 def test_a_spot_over_the_whole_beam_is_a_softer_beam():
+    """Equivalence: a beam of 0.8 times the stiffness."""
     everywhere = Mechanism().replace(**{"soft_spot.size": 0.2, "soft_spot.place": 0.5, "soft_spot.width": 1.0})
     softer = Mechanism().replace(EA=0.8 * 7500.0, GA=0.8 * 2420.0, EI=0.8 * 3.0)
     one, other = (FiniteElementModel(neck).solve((90.0, 20.0)).pose for neck in (everywhere, softer))
@@ -79,6 +80,7 @@ def test_sensitivities_where_the_stiffness_varies(elements):
 
 
 def test_what_no_profile_can_be():
+    """Contract: the text of the error."""
     for name, value in {"stiffness_taper": 1.0, "soft_spot.size": 1.0, "soft_spot.place": -0.1}.items():
         with pytest.raises(InputError, match=f"^effects.{name} = .*: allowed is a finite number from "):
             Mechanism().replace(**{name: value})
@@ -86,6 +88,7 @@ def test_what_no_profile_can_be():
 
 @pytest.mark.parametrize("division", [(1, 5), (ALIGNED, 4), (9, 1)], ids=["element", "aligned", "chain"])
 def test_the_fast_paths_meet_the_robust_solver(division):
+    """Another method: the general path."""
     model = FiniteElementModel(Mechanism().replace(**TAPER, **SPOT), *division)
     lam = np.random.default_rng(3).uniform(0.0, 160.0, (20, 2))
     one_by_one = [model.solve(loads).raise_if_failed().pose for loads in lam]

@@ -23,3 +23,23 @@ def test_modules_are_described_by_noun_phrases(folder):
     modules = [path for path in MODULES if path.is_relative_to(ROOT / folder)]
     assert modules
     assert {str(path.relative_to(ROOT)) for path in modules if first_word(path) in QUESTIONS} == set()
+
+
+def tests_of(path: Path) -> list[ast.FunctionDef]:
+    """Return the test functions of a file."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")]
+
+
+TESTS = [(path, node) for path in MODULES if path.name.startswith("test_") for node in tests_of(path)]
+
+
+def test_every_test_says_which_truth_it_rests_on():
+    """Truth: a project rule. A reader learns from a test what is known independently of the program."""
+    assert len(TESTS) > 700
+    assert [f"{path.name}::{node.name}" for path, node in TESTS if not ast.get_docstring(node)] == []
+
+
+def test_names_of_tests_fit_in_60_characters():
+    """Truth: a project rule."""
+    assert [node.name for _, node in TESTS if len(node.name) > 60] == []
