@@ -4,7 +4,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ._arguments import add_model, discretization, finite_number, mechanism
+from ._arguments import add_model, add_noise, discretization, finite_number, measurements, mechanism
 from ._command import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder, outputs
 
 if TYPE_CHECKING:
@@ -31,14 +31,14 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--loss", default="linear", metavar="L", help="linear, huber or soft_l1; default linear")
     parser.add_argument("--force-sigma", type=finite_number, metavar="N", help="noise of the force readings [N]")
+    add_noise(parser)
     add_model(parser)
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..data.measurements import read_measurements
     from ..identification.identify import identify
 
-    neck, data = mechanism(args), [read_measurements(path) for path in args.data]
+    neck, data = mechanism(args), [measurements(path, args) for path in args.data]
     chosen: dict[str, Any] = {**discretization(args)}
     if args.channels is not None:
         chosen["channels"] = args.channels

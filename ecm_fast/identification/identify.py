@@ -16,7 +16,8 @@ from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
 from .least_squares import NEAR, Loss, Minimum, minimize, visible
 from .result import Estimate, Identification, Objective
-from .rows import CHANNELS, FitRows, FitSet, Noise, State, prior_std
+from .rows import CHANNELS, RESIDUAL, FitRows, FitSet, Noise, State, prior_std
+from .variance_components import VarianceComponents
 from .warnings import in_words
 
 __all__ = ["identify"]
@@ -29,6 +30,7 @@ Priors = Mapping[str, tuple[float, float]]
 _ROUNDS = 12
 _NEAR_ENOUGH = 0.1  # standard deviations: where the weights change anyway, a better minimum is not worth its solves
 _SAME_WEIGHTS = 1e-3
+_FEWEST_ROWS, _FEWEST_DOF = 3, 1.0  # that an interval is taken from where the fit itself tells the noise
 _HIDDEN = 0.05  # share of a direction that is not seen, from which on a parameter is part of it
 
 
@@ -72,7 +74,8 @@ def identify(
     Notes
     -----
     A reading's noise is what its sigma column declares; else the scatter of rows with the same ``pose_id``; else what
-    the fit leaves, by channel and experiment. `Identification.noise` says which.
+    the fit leaves, by channel and experiment, see `variance_components`. `Identification.noise` says which. From what a
+    fit leaves of fewer than 3 rows no interval is taken: it is infinite, and a warning says why.
 
     Examples
     --------
@@ -112,11 +115,12 @@ class _Fit:
         values = np.clip(pack(rows.sets[0].mechanism)[rows.places], self.lower, self.upper)
         state = rows.at(values)
         self._use(state)
-        noise, weights, settled = Noise.of(rows, state, force_sigma), None, False
+        noise, weights, settled, near = Noise.of(rows, state, force_sigma), None, False, _NEAR_ENOUGH
         for _ in range(_ROUNDS):
-            sigma = noise.filled(rows, state, self.used, robust=robust)
+            spread = noise.components(rows, state, self.used, self._known(values), robust=robust)
+            sigma = noise.sigma if spread is None else spread.sigma
             before, weights = weights, noise.whitening(sigma, state, self.used)
-            if before is not None and _same(before, weights):
+            if before is not None and near == NEAR and _same(before, weights):
                 settled = minimum.settled  # noqa: F821  bound in the first round
                 break
             objective = self._objective(weights)
@@ -125,7 +129,16 @@ class _Fit:
             values = minimum.values
             state = rows.at(values)
             self._use(state)
-        return self._result(objective, minimum, state, noise, sigma, settled)
+        return self._result(objective, minimum, state, noise, spread, settled)
+
+    def _known(self, values: Array) -> tuple[Array, Array]:
+        """Return normal matrix (p, p) and right-hand side (p,) of the priors at these values."""
+        normal, side = np.zeros((values.size, values.size)), np.zeros(values.size)
+        for place, center, std in self.prior:
+            i = int(place)
+            normal[i, i] += std**-2.0
+            side[i] += (center - values[i]) / std**2
+        return normal, side
 
     def _use(self, state: State) -> None:
         """Count the rows that are at a stable equilibrium now."""
@@ -157,22 +170,39 @@ class _Fit:
         return Objective(residuals, self.lower, self.upper, self.loss, len(place))
 
     def _result(
-        self, objective: Objective, minimum: Minimum, state: State, noise: Noise, sigma: Array, settled: bool
+        self,
+        objective: Objective,
+        minimum: Minimum,
+        state: State,
+        noise: Noise,
+        spread: VarianceComponents | None,
+        settled: bool,
     ) -> Identification:
         rows, values, count = self.rows, minimum.values, int(self.used.sum())
         data_rows = minimum.residual.size - objective.plain
         scale = np.maximum(np.abs(values), [find(name).typical for name in rows.names])
         singular, directions = visible(minimum.jacobian[:data_rows], scale)
-        covariance = self._covariance(minimum, scale, objective.plain)
-        std, dof = np.sqrt(np.diag(covariance)), count - len(values) + objective.plain
-        estimated = bool((noise.origin[self.used] == "residual").any())
-        quantile = _quantile(self.level, min(noise.dof, max(dof, 1) if estimated else np.inf))
+        curvature = self._covariance(minimum, scale, objective.plain)
+        covariance, freedom = curvature, np.full(len(values), noise.dof)
+        dof = count - len(values) + objective.plain
+        if spread is not None:
+            freedom = np.minimum(freedom, spread.dof)
+            if self.loss.name == "linear":
+                covariance = np.where(np.isinf(curvature), curvature, spread.covariance)
+            rows_told = int((self.used & (noise.origin == RESIDUAL)).any(axis=1).sum())
+            untold = np.full(len(values), rows_told < _FEWEST_ROWS or dof < 1) | ~(freedom >= _FEWEST_DOF)
+            covariance[untold, untold] = np.inf
+        std = np.sqrt(np.diag(covariance))
+        reach = np.array([_quantile(self.level, float(nu)) for nu in freedom])
         with np.errstate(invalid="ignore"):
-            low = np.where(np.isfinite(std), np.maximum(values - quantile * std, self.lower), -np.inf)
-            high = np.where(np.isfinite(std), np.minimum(values + quantile * std, self.upper), np.inf)
+            low = np.where(np.isfinite(std), np.maximum(values - reach * std, self.lower), -np.inf)
+            high = np.where(np.isfinite(std), np.minimum(values + reach * std, self.upper), np.inf)
             correlation = np.where(np.isfinite(np.outer(std, std)), covariance / np.outer(std, std), np.nan)
+            widened = std / np.sqrt(np.diag(curvature))
         estimates = {
-            name: Estimate(float(values[i]), float(std[i]), float(low[i]), float(high[i]), find(name).unit)
+            name: Estimate(
+                float(values[i]), float(std[i]), float(low[i]), float(high[i]), find(name).unit, float(freedom[i])
+            )
             for i, name in enumerate(rows.names)
         }
         chi2 = float((minimum.residual[:data_rows] ** 2).sum())
@@ -183,7 +213,7 @@ class _Fit:
             correlation=correlation,
             residual=rows.residual(state),
             used=self.used,
-            sigma=np.where(self.used, sigma, np.nan),
+            sigma=np.where(self.used, noise.sigma if spread is None else spread.sigma, np.nan),
             noise=_origins(noise.origin, self.used),
             left_out=tuple(self._left_out(state)),
             chi2=chi2,
@@ -193,10 +223,10 @@ class _Fit:
             settled=settled,
             solves=rows.solves,
             level=self.level,
-            quantile=quantile,
+            _reach=reach * widened,
             _objective=objective,
         )
-        return in_words(result, self.prior, (singular, directions), known=not estimated)
+        return in_words(result, self.prior, (singular, directions), known=spread is None)
 
     def _covariance(self, minimum: Minimum, scale: Array, plain: int) -> Array:
         """Return the covariance of the parameters, (p, p), inf for those that nothing sees.

@@ -17,7 +17,7 @@ from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
 from ..models.instruments.measuring_chain import MeasuringChain
 from ..models.loads import last_step
-from .identify import identify
+from .identify import _quantile, identify
 
 __all__ = ["Posterior", "posterior"]
 
@@ -93,7 +93,9 @@ def posterior(
     """Return samples of parameters from their posterior, by emcee's ensemble of walkers.
 
     The walkers begin about the best fit; the first fifth of the steps is left out. Noise is Gaussian, of the size that
-    `identify` finds or the measurements declare; priors are flat between the bounds of a parameter where none is given.
+    the measurements declare; priors are flat between the bounds of a parameter where none is given. Where `identify`
+    finds the noise from what the fit leaves, its size is integrated out: the density is Student's t of the sum of
+    squares above its minimum, with the fewest degrees of freedom that `identify` gives one of the parameters.
 
     Parameters
     ----------
@@ -157,7 +159,7 @@ class _Density:
         self.best, self.scale = fit.values, np.sqrt(np.diag(fit.covariance))
         if not np.isfinite(self.scale).all():
             name = names[int(np.argmin(np.isfinite(self.scale)))]
-            raise InputError(f"the measurements do not see {name}: give it a prior, or leave it out")
+            raise InputError(f"no samples of {name}: {next(iter(fit.warnings), 'the measurements do not see it')}")
         self.lower, self.upper = (np.array([getattr(find(name), end) for name in names]) for end in ("lower", "upper"))
         self._places = [index(name) for name in names]
         self._chain, self._par = MeasuringChain(Discretization.of(1), data), pack(fit.mechanism)
@@ -165,6 +167,10 @@ class _Density:
         self._whiten = self._whitening(fit.sigma, force_sigma)
         self._priors = [(list(names).index(name), value, std) for name, (value, std) in priors.items()]
         self.solves = 0
+        self._dof = min(found.dof for found in fit.parameters.values())
+        quantiles = [_quantile(fit.level, found.dof) for found in fit.parameters.values()]
+        self._widened = float((fit._reach / quantiles).max())
+        self._most = float(self._gaussian(self.best[None])[0])
 
     def _whitening(self, sigma: Array, force_sigma: float) -> Array:
         """Return the matrices (n, 3, 3) that make a row's errors independent and of unit size."""
@@ -176,6 +182,14 @@ class _Density:
 
     def __call__(self, values: Array) -> Array:
         """Return the logarithm at (w, p) sets of parameters, (w,)."""
+        found = self._gaussian(values)
+        if np.isinf(self._dof):
+            return found
+        unit = np.maximum(self._most - found, 0.0) / self._widened**2
+        return np.asarray(-0.5 * (self._dof + values.shape[1]) * np.log1p(2.0 * unit / self._dof))
+
+    def _gaussian(self, values: Array) -> Array:
+        """Return the logarithm where the size of the noise is known, (w,)."""
         out = np.full(len(values), -np.inf)
         fits = ((values >= self.lower) & (values <= self.upper)).all(axis=1)
         if not fits.any():

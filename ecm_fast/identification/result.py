@@ -33,9 +33,10 @@ class Estimate:
     Attributes
     ----------
     value : where the sum of squares is smallest
-    std : standard deviation; inf where the data do not see the parameter
+    std : standard deviation; inf where the data do not see the parameter, or too few tell their noise
     lower, upper : interval, `value` less and plus a quantile times `std`, cut at the parameter's bounds
     unit : of all four
+    dof : degrees of freedom of the quantile, Student's t; inf (Gaussian) where the noise is declared
     """
 
     value: float
@@ -43,6 +44,7 @@ class Estimate:
     lower: float
     upper: float
     unit: str
+    dof: float = math.inf
 
     @property
     def rounded(self) -> str:
@@ -69,7 +71,7 @@ class Profile:
     values : (k,) at which it was held, rising
     rise : (k,) of the sum of squares above its minimum
     lower, upper : interval: where `rise` reaches `threshold`; the parameter's bound where it never does
-    threshold : square of the quantile
+    threshold : square of the quantile; more of it where the noise that weighs the readings is estimated
     level : the interval's probability
     """
 
@@ -136,7 +138,7 @@ class Identification:
     settled: bool
     solves: int
     level: float
-    quantile: float
+    _reach: Array
     _objective: Objective
 
     def __getitem__(self, name: str) -> Estimate:
@@ -180,12 +182,15 @@ class Identification:
 
         Raises
         ------
-        InputError : the parameter was not fitted, or the data do not see it.
+        InputError : the parameter was not fitted, the data do not see it, or too few readings tell their noise.
         """
-        estimate = self[name]
+        estimate, place = self[name], list(self.parameters).index(name)
         if not np.isfinite(estimate.std):
-            raise InputError(f"{name} has no profile: the data do not see it")
-        place, best = list(self.parameters).index(name), self.values
+            untold = np.isinf(self._reach[place])
+            why = "too few readings tell their noise" if untold else "the data do not see it"
+            raise InputError(f"{name} has no profile: {why}")
+        best, target = self.values, float(self._reach[place])
+        step = max(estimate.upper - estimate.value, estimate.value - estimate.lower)
         floor = self._objective.held(place, estimate.value, best).total
         known = {estimate.value: (0.0, best)}
 
@@ -197,7 +202,7 @@ class Identification:
             return known[value][0]
 
         ends = [
-            _reach(rise, estimate.value, sign * self.quantile * estimate.std, float(bound), self.quantile)
+            _reach(rise, estimate.value, sign * step, float(bound), target)
             for sign, bound in ((-1.0, self._objective.lower[place]), (1.0, self._objective.upper[place]))
         ]
         wide = [estimate.value + _WIDER * (end - estimate.value) for end in ends]
@@ -206,7 +211,7 @@ class Identification:
             rise(float(value))
         values = sorted(known)
         rises = np.array([known[value][0] for value in values])
-        return Profile(name, np.array(values), rises, ends[0], ends[1], self.quantile**2, self.level)
+        return Profile(name, np.array(values), rises, ends[0], ends[1], target**2, self.level)
 
     def __repr__(self) -> str:
         noise = ", ".join(f"{name} {origin}" for name, origin in self.noise.items())

@@ -15,6 +15,7 @@ from ..mechanism.vector import pack
 from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
 from ..models.instruments.measuring_chain import CHANGES, MeasuringChain, row_parameters
+from .variance_components import VarianceComponents, variance_components
 
 __all__ = ["CHANNELS", "FitRows", "FitSet", "Noise", "State", "prior_std"]
 
@@ -226,27 +227,51 @@ class Noise:
                     least = min(least, dof)
         return Noise(sigma, self.force, origin, least)
 
-    def filled(self, rows: FitRows, state: State, used: Mask, *, robust: bool) -> Array:
-        """Return `sigma` with what the residual tells where nothing else does, (n, 3).
+    def filled(self, rows: FitRows, state: State, used: Mask) -> Array:
+        """Return `sigma` with the robust scale of the residual where nothing else is known, (n, 3).
 
-        The parameters' degrees of freedom are shared among the channels by how many readings each has. A robust
-        fit takes the median of the residuals' sizes, which outliers do not spoil.
+        The scale is that of the median of the residuals' sizes, which outliers do not spoil. The parameters' degrees of
+        freedom are shared among the channels by how many readings each has.
         """
         sigma = self.sigma.copy()
-        missing = used & np.isnan(sigma)
-        if missing.any():
-            residual, carried = rows.residual(state), self.carried(state)
-            lost = len(rows.names) / max(int(used.sum()), 1)
-            for number in range(len(rows.sets)):
-                for channel in range(3):
-                    here = missing[:, channel] & (rows.member == number)
-                    if here.any():
-                        off = residual[here, channel]
-                        kept = max(off.size * (1.0 - lost), 1.0)
-                        spread = (_MEDIAN_TO_SIGMA * np.median(np.abs(off))) ** 2 * off.size if robust else off @ off
-                        share = float(carried[here, channel, channel].mean())
-                        sigma[here, channel] = _camera(float(spread) / kept, share)
+        residual, carried = rows.residual(state), self.carried(state)
+        lost = len(rows.names) / max(int(used.sum()), 1)
+        for here, channel in self._groups(rows, used):
+            off = residual[here, channel]
+            kept = max(off.size * (1.0 - lost), 1.0)
+            spread = (_MEDIAN_TO_SIGMA * np.median(np.abs(off))) ** 2 * off.size
+            share = float(carried[here, channel, channel].mean())
+            sigma[here, channel] = _camera(float(spread) / kept, share)
         return sigma
+
+    def components(
+        self, rows: FitRows, state: State, used: Mask, prior: tuple[Array, Array], *, robust: bool
+    ) -> VarianceComponents | None:
+        """Return the variances that the residual has to tell, None where there are none.
+
+        prior : see `variance_components`
+        """
+        groups = self._groups(rows, used)
+        if not groups:
+            return None
+        masks = np.zeros((len(groups), rows.n, 3), dtype=bool)
+        for mask, (here, channel) in zip(masks, groups, strict=True):
+            mask[:, channel] = here
+        return variance_components(
+            np.where(used, rows.residual(state), 0.0),
+            np.where(used[:, :, None], state.by, 0.0),
+            self.sigma,
+            masks,
+            lambda sigma: self.whitening(sigma, state, used),
+            prior,
+            robust=robust,
+        )
+
+    def _groups(self, rows: FitRows, used: Mask) -> list[tuple[Mask, int]]:
+        """Return rows (n,) and channel of readings that share a variance nobody knows."""
+        missing = used & np.isnan(self.sigma)
+        each = [(missing[:, i] & (rows.member == k), i) for k in range(len(rows.sets)) for i in range(3)]
+        return [(here, channel) for here, channel in each if here.any()]
 
     def carried(self, state: State) -> Array:
         """Return the covariance that the force cells' noise makes in the pose, (n, 3, 3)."""

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .result import Identification
+from .rows import RESIDUAL
 
 __all__ = ["in_words"]
 
@@ -16,6 +17,7 @@ _UNSEEN = 1.0  # standard deviation of a combination, in units of the parameters
 _PART = 0.1  # smallest part of a combination that is worth naming
 _CORRELATED, _DRIFTED, _IMPLAUSIBLE = 0.99, 3.0, 1e-3
 _NEAR_BOUND = 1e-9
+_FEW_DOF = 5.0  # where Student's t makes a 90 % interval a quarter wider than known noise does
 
 
 def in_words(fit: Identification, prior: Array, seen: tuple[Array, Array], *, known: bool) -> Identification:
@@ -28,13 +30,44 @@ def in_words(fit: Identification, prior: Array, seen: tuple[Array, Array], *, kn
     seen : singular values and directions of what the data see, priors left out, see `least_squares.visible`
     known : whether the noise is known from elsewhere than the residual
     """
-    texts = [*_unseen(fit, prior, seen), *_bounds(fit), *_drift(fit, prior), *_correlated(fit), *_misfit(fit, known)]
+    texts = [
+        *_left_out(fit),
+        *_untold(fit, known),
+        *_unseen(fit, prior, seen),
+        *_bounds(fit),
+        *_drift(fit, prior),
+        *_correlated(fit),
+        *_misfit(fit, known),
+    ]
     if not fit.settled:
         texts.append("the fit stopped before it settled: better start values or a prior may help")
-    if fit.left_out:
-        where, reason = fit.left_out[0]
-        texts.append(f"{len(fit.left_out)} rows are left out; {where}: {reason}")
     return replace(fit, warnings=tuple(texts))
+
+
+def _left_out(fit: Identification) -> Iterator[str]:
+    if not fit.left_out:
+        return
+    where, reason = fit.left_out[0]
+    count, all_rows = len(fit.left_out), len(fit.left_out) + fit.rows
+    yield (f"{count} of {all_rows} rows are left out, because the fitted mechanism has no stable equilibrium there; "
+           f"the result speaks for the others alone; {where}: {reason}")  # fmt: skip
+
+
+def _untold(fit: Identification, known: bool) -> Iterator[str]:
+    if known:
+        return
+    cure = "declare it, in columns such as sigma_x_mm, by --noise or with_noise"
+    channels = ", ".join(name for name, origin in fit.noise.items() if RESIDUAL in origin)
+    untold = [name for name, reach in zip(fit.parameters, fit._reach, strict=True) if np.isinf(reach)]
+    if untold:
+        yield (f"no interval for {', '.join(untold)}: the noise of {channels} is not declared, and {fit.rows} rows "
+               f"with {max(fit.dof, 0)} readings more than parameters are too few to tell it; {cure}")  # fmt: skip
+    seen = {name: found.dof for name, found in fit.parameters.items() if np.isfinite(found.std)}
+    if seen and min(seen.values()) < _FEW_DOF:
+        name = min(seen, key=lambda name: seen[name])
+        yield (f"the noise of {channels} is not declared and only {fit.rows} rows tell it: intervals are as wide as "
+               f"Student's t makes them, with {seen[name]:.2g} degrees of freedom for {name}, and take its channels to "
+               f"be about as noisy as a camera's; to know more, {cure}")  # fmt: skip
 
 
 def _unseen(fit: Identification, prior: Array, seen: tuple[Array, Array]) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import ecm_fast as ecm
 from ecm_fast.data import datasets
@@ -58,6 +59,22 @@ def test_many_readings_give_the_covariance_of_the_best_fit() -> None:
     assert found.solves >= 300 * 8 * data.n
     again = posterior(neck, data, names, force_sigma=0.1, steps=300, seed=1)
     assert np.array_equal(again.samples, found.samples)
+
+
+def test_samples_from_few_rows_are_as_wide_as_students_t() -> None:
+    """EI is all but linear here, so its density is the Student's t of the fit: quantiles from SciPy's tables of it."""
+    neck, whole = datasets.load("simulated_slender_tendon")
+    columns = {"lam_l_N": whole.lam_l, "lam_r_N": whole.lam_r, "x_m": whole.x, "z_m": whole.z, "theta_rad": whole.theta}
+    data = ecm.Measurements.from_columns({name: values[3:7] for name, values in columns.items()})
+    fit = ecm.identify(neck, data, ["EI"])
+    assert fit["EI"].dof < 10.0
+    found = posterior(neck, data, ["EI"], steps=1500, seed=2)
+    for level in (0.5, 0.9):
+        low, high = found.interval("EI", level)
+        reach = stats.t(fit["EI"].dof).ppf(0.5 + 0.5 * level) * fit["EI"].std
+        assert 0.5 * (high - low) == pytest.approx(reach, rel=0.1)
+    with pytest.raises(InputError, match=r"^no samples of EI: no interval for EI: the noise of x, z, theta is not d"):
+        posterior(neck, data.select([0, 1]), ["EI"], steps=100)
 
 
 def test_what_cannot_be_sampled_is_said() -> None:

@@ -140,7 +140,7 @@ class Problem:
         names : keys of the state's derivatives; only with them does it count that no build is quite as drawn
         """
         used = self.wanted & state.stable[:, None]
-        sigma = noise.filled(self.rows, state, used, robust=True)
+        sigma = noise.filled(self.rows, state, used)
         whitening = noise.whitening(np.where(np.isfinite(sigma), sigma, 1.0), state, used)
         by_force = np.where(used[:, :, None], np.nan_to_num(state.by_force), 0.0)
         by_camera = np.where(used, np.nan_to_num(sigma), 0.0)[:, :, None] * np.eye(3)
