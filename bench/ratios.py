@@ -132,7 +132,7 @@ def _batches() -> dict[str, Way]:
     fast, out = model._condensed, columns(BATCH)
     guess = fast.fit_guess(160.0, np.zeros(3))
     points, room = np.ascontiguousarray(BATCH_POSES.T), np.empty((3, BATCH))
-    many = POLY.polynomial._kernel("many")
+    many = POLY.polynomial._kernels.many
     ways: dict[str, Way] = {
         "polynomials, kernel": lambda: many(POLY.polynomial._con, points, room),
         "polynomials, Python": lambda: POLY.wrench(BATCH_POSES),

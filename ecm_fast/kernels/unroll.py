@@ -20,9 +20,24 @@ import numpy as np
 
 from ._jit import by_first_type
 
-__all__ = ["BlockFactor", "Code", "at_each_point", "cofactor", "determinant", "dot", "function", "invariants", "total"]
+__all__ = [
+    "BlockFactor",
+    "Code",
+    "Terms",
+    "at_each_point",
+    "cofactor",
+    "derivative",
+    "determinant",
+    "dot",
+    "function",
+    "horner",
+    "invariants",
+    "total",
+]
 
 Names = Sequence[str]
+Terms = Mapping[tuple[int, ...], str]
+"""The coefficients of a polynomial by the exponents of the variables."""
 
 
 def function(name: str, arguments: Iterable[str], lines: Iterable[str], scope: Mapping[str, Any]) -> Callable[..., Any]:
@@ -97,6 +112,29 @@ def invariants(rows: Sequence[Names]) -> list[str]:
 
 def _minor(rows: Sequence[Names], i: int, k: int) -> list[list[str]]:
     return [[entry for m, entry in enumerate(row) if m != k] for h, row in enumerate(rows) if h != i]
+
+
+def horner(terms: Terms, variables: Names) -> str:
+    """Return a polynomial in Horner form in the first variable, whose coefficients are such forms in the others."""
+    if not variables:
+        return terms[()]
+    highest = max(powers[0] for powers in terms)
+    text = ""
+    for power in range(highest, -1, -1):
+        part = horner({powers[1:]: term for powers, term in terms.items() if powers[0] == power}, variables[1:])
+        text = f"{part} + {variables[0]} * ({text})" if text else part
+    return text
+
+
+def derivative(terms: Terms, variable: int) -> Terms:
+    """Return the terms of the derivative by a variable."""
+    derived = {}
+    for powers, term in terms.items():
+        power = powers[variable]
+        if power:
+            lower = tuple(p - (i == variable) for i, p in enumerate(powers))
+            derived[lower] = term if power == 1 else f"{power}.0 * {term}"
+    return derived
 
 
 class Code:

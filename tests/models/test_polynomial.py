@@ -1,10 +1,8 @@
 """Polynomial models against NumPy's own polynomials, shooting solutions, the model's tangent and the paper's Fig. 5."""
 
-import importlib.util
 import json
 import math
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,7 +27,6 @@ from ecm_fast.kernels.polynomial import DEGREES, exponents
 from ecm_fast.models.polynomial.multivariate import Polynomial
 from ecm_fast.models.polynomial.training import TrainingSet, measured_wrenches
 
-ROOT = Path(__file__).resolve().parents[2]
 LOW, HIGH = np.array([0.08, -0.06, -0.9]), np.array([0.11, 0.05, 0.8])
 
 
@@ -58,16 +55,6 @@ def wrenches_of(tensor_list, points):
 
 
 # the arithmetic
-
-
-def test_the_written_out_polynomials_are_up_to_date():
-    """Contract: the files are what their writer makes."""
-    spec = importlib.util.spec_from_file_location("write_polynomial", ROOT / "tools" / "write_polynomial.py")
-    writer = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(writer)
-    for degree in DEGREES:
-        path = ROOT / "ecm_fast" / "kernels" / f"polynomial{degree}.py"
-        assert path.read_text(encoding="utf-8") == writer.module(degree)
 
 
 def test_the_terms_stand_in_the_order_of_the_paper():

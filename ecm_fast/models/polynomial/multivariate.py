@@ -3,15 +3,13 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from importlib import import_module
-from types import ModuleType
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, shown
-from ...kernels.polynomial import DEGREES, exponents
+from ...kernels.polynomial import DEGREES, Kernels, exponents, kernels_of
 
 __all__ = ["Polynomial", "energy_regression", "monomials", "regression"]
 
@@ -55,29 +53,26 @@ class Polynomial:
     def __call__(self, points: Array) -> Array:
         """Return the outputs at points (n, k), (n, 3)."""
         out = np.empty((3, len(points)))
-        self._kernel("many")(self._con, _columns(points), out)
+        self._kernels.many(self._con, _columns(points), out)
         return out.T
 
     def slopes(self, points: Array) -> Array:
         """Return the derivatives of the outputs by the variables at points (n, k), (n, 3, k)."""
         out = np.empty((3, self.center.size, len(points)))
-        self._kernel("many_slopes")(self._con, _columns(points), out)
+        self._kernels.many_slopes(self._con, _columns(points), out)
         return np.moveaxis(out, 2, 0)
 
     def stepper(self, *, slopes: bool = False) -> Callable[..., tuple[float, float, float]]:
         """Return the compiled function of k floats; with slopes also of an array (3, k) that it overwrites."""
-        return partial(self._kernel("one_with_slopes" if slopes else "one"), self._con)
+        return partial(self._kernels.one_with_slopes if slopes else self._kernels.one, self._con)
 
     @cached_property
     def _con(self) -> Array:
         return np.concatenate([self.center, self.coefficients.ravel()])
 
-    @cached_property
-    def _module(self) -> ModuleType:
-        return import_module(f"ecm_fast.kernels.polynomial{self.degree}")
-
-    def _kernel(self, name: str) -> Any:
-        return getattr(self._module, f"{name}{self.center.size}")
+    @property
+    def _kernels(self) -> Kernels:
+        return kernels_of(self.center.size, self.degree)
 
 
 def degree_of(k: int, m: int) -> int:
