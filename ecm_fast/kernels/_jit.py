@@ -1,4 +1,4 @@
-"""The decorator of every kernel: its compiler flags, and the folder of compiled kernels.
+"""The decorators of kernels: compiler flags, and a choice by type while compiling.
 
 Flags
 -----
@@ -6,21 +6,9 @@ error_model="numpy" : a division by zero gives inf instead of a branch; the bran
 nogil=True : a thread that solves does not hold up the others.
 fastmath : everything that lets the compiler fuse and reorder, but not ``nnan`` and ``ninf``, which would make
     ``isfinite(nan)`` true.
-
-Cache
------
-Numba keys a cached kernel by the source of its own file, so an edit in one file would leave stale callers in
-another. The cache therefore lies in a folder named by a digest of everything a kernel can depend on: the
-sources of the package below the models. ``NUMBA_CACHE_DIR`` moves it; where nothing can be written, kernels
-are compiled anew in each process, and that is logged once.
 """
 
-import hashlib
-import logging
-import os
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numba
@@ -28,8 +16,9 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic, overload, register_jitable
 
+from ._cache import KernelCache
+
 __all__ = [
-    "CACHE_FOLDER",
     "array_at",
     "by_first_type",
     "call_at",
@@ -40,48 +29,11 @@ __all__ = [
     "wide",
 ]
 
-_log = logging.getLogger("ecm_fast")
-_config: Any = numba.config  # its settings come from the environment, unknown to a type checker
 _FASTMATH = {"contract", "nsz", "arcp", "reassoc"}
 
 
-def _sources() -> list[Path]:
-    package = Path(__file__).resolve().parent.parent
-    return sorted(
-        path
-        for pattern in ("kernels/**/*.py", "mechanism/**/*.py", "mesh/families/*.py")
-        for path in package.glob(pattern)
-    )
-
-
-def _user_cache() -> Path:
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches"
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
-
-
-def _cache_folder() -> Path | None:
-    """Return the writable folder for this very version of the kernels, or None."""
-    digest = hashlib.sha256(b"\0".join(path.read_bytes() for path in _sources())).hexdigest()[:16]
-    try:
-        base = Path(_config.CACHE_DIR) if _config.CACHE_DIR else _user_cache()
-        folder = base / "ecm_fast" / digest
-        folder.mkdir(parents=True, exist_ok=True)
-        if os.access(folder, os.W_OK | os.X_OK):
-            return folder
-    except (OSError, RuntimeError):  # RuntimeError: no home directory can be determined
-        pass
-    _log.warning("no folder for compiled kernels can be written; each process compiles anew. Set NUMBA_CACHE_DIR.")
-    return None
-
-
-CACHE_FOLDER = _cache_folder()
-
-
 def kernel(function: Callable[..., Any]) -> Any:
-    """Compile `function` on first use, with the flags above, and keep the result in `CACHE_FOLDER`."""
+    """Compile `function` on first use, with the flags above, and keep the result in the cache."""
     return _compile(function, _FASTMATH)
 
 
@@ -124,15 +76,10 @@ def _options(fastmath: set[str], *, forceinline: bool = False, nogil: bool = Tru
 
 
 def _compile(function: Callable[..., Any], fastmath: set[str], *, forceinline: bool = False, nogil: bool = True) -> Any:
-    options = _options(fastmath, forceinline=forceinline, nogil=nogil)
-    if CACHE_FOLDER is None:
-        return numba.njit(**options)(function)
-    # numba reads CACHE_DIR while it decorates; other packages' kernels keep their own place
-    before, _config.CACHE_DIR = _config.CACHE_DIR, str(CACHE_FOLDER)
-    try:
-        return numba.njit(cache=True, **options)(function)
-    finally:
-        _config.CACHE_DIR = before
+    dispatcher: Any = numba.njit(**_options(fastmath, forceinline=forceinline, nogil=nogil))(function)
+    if dispatcher is not function:  # it is where NUMBA_DISABLE_JIT is set
+        dispatcher._cache = KernelCache(function)
+    return dispatcher
 
 
 @intrinsic

@@ -4,16 +4,14 @@ A kernel is compiled when it is first called with arguments of a kind. What is c
 `_for_order` and the functions below it: to add a way in, give it a line there.
 """
 
-import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numba.core.dispatcher import Dispatcher
 
-from ..kernels._jit import CACHE_FOLDER
+from ..kernels._cache import CACHE_FOLDER, KernelCache
 from ..kernels.general.tip import tendon_directions
 from ..kernels.polynomial import DEGREES
 from ..mechanism.mechanism import Mechanism
@@ -76,11 +74,7 @@ def warmup(*, everything: bool = False, progress: Callable[[str], None] | None =
 
 def compilations() -> tuple[int, int]:
     """Return how many kernels this process has compiled so far, and how many it took from the cache."""
-    modules = [module for name, module in list(sys.modules.items()) if name.startswith(f"{__package__}.")]
-    # a kernel stands in every module that imports it
-    kernels = {id(entry): entry for module in modules for entry in vars(module).values()}
-    stats = [entry.stats for entry in kernels.values() if isinstance(entry, Dispatcher)]
-    return sum(sum(own.cache_misses.values()) for own in stats), sum(sum(own.cache_hits.values()) for own in stats)
+    return KernelCache.compiled, KernelCache.loaded
 
 
 def _touches(orders: tuple[int, ...], degrees: tuple[int, ...], families: tuple[str, ...]) -> Iterator[Touch]:

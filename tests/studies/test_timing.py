@@ -111,7 +111,7 @@ FRESH = """
 import json, sys
 import numpy as np
 import ecm_fast as ecm
-from ecm_fast.warm import compilations
+from ecm_fast.studies.warmup import compilations
 done = ecm.warmup()
 before, again = compilations(), ecm.warmup()
 neck = ecm.Mechanism.preset("slender").replace(pulley_z=0.0645, **{"tendons.pulley_radius": 0.0055})
