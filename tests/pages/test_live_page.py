@@ -1,10 +1,12 @@
 """The live page: what it shows, whom it answers, and a real drag in a real browser."""
 
+import contextlib
 import json
 import math
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -236,6 +238,46 @@ def test_hostile_messages_are_answered_and_the_page_lives_on(page: Page) -> None
             socket.recv(10)
     with connect(page) as socket:
         assert "controls" in json.loads(socket.recv(10))
+
+
+def test_idle_connections_are_capped_and_the_reason_is_said(tmp_path: Path) -> None:
+    """POSIX: with 256 descriptors 500 clients that say nothing end a server that takes them all."""
+    pytest.importorskip("websockets", reason="no page here: websockets is not installed")
+    resource = pytest.importorskip("resource", reason="limits of POSIX")
+    code = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_NOFILE, (256, 256)); "
+        "from ecm_fast.cli import main; sys.exit(main(['view', '--no-browser']))"
+    )
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(2048, before[1]), before[1]))
+    process = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True, cwd=tmp_path)
+    try:
+        assert process.stderr is not None
+        url = process.stderr.readline().split()[1]
+        port = int(url.rstrip("/").rpartition(":")[2])
+        idle = [socket.create_connection(("127.0.0.1", port), timeout=20) for _ in range(500)]
+        answered = []
+        for client in idle:
+            client.settimeout(0.2)
+            with contextlib.suppress(OSError):
+                answered.append(client.recv(1000))
+        assert sum(b"connections are open, and no more" in answer for answer in answered) > 400
+        for client in idle:
+            client.close()
+        deadline = time.monotonic() + 30.0
+        while time.monotonic() < deadline:
+            try:
+                page = urllib.request.urlopen(url, timeout=10).read()
+                break
+            except (urllib.error.URLError, ConnectionError):
+                time.sleep(0.2)
+        assert page.startswith(b"<!DOCTYPE html>")
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=60) == 0
+    finally:
+        process.kill()
+        process.communicate()
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
 
 
 def test_of_many_requests_the_newest_is_answered(page: Page) -> None:

@@ -4,10 +4,13 @@ It listens on the loopback address, answers only who calls it by that name (so t
 to lead here), and takes requests only from its own page.
 """
 
+import errno
 import json
 import logging
 import os
+import socket
 import threading
+import time
 from collections.abc import Callable
 from http import HTTPStatus
 from pathlib import Path
@@ -34,6 +37,24 @@ _HEADERS = {
 }
 # a request is a few hundred characters; what is longer is no request
 _LONGEST = 1 << 16
+_MOST = 32
+"""Connections at once: a page holds one and asks for its four files by others; each takes up to three descriptors of
+the 256 that the smallest systems give a process."""
+_SILENT = 5.0  # seconds after which a connection that asks for nothing is closed
+_PARTING = 0.1  # seconds in which one that is refused may read why
+
+
+class _Listener(socket.socket):
+    """A listening socket that waits where the process has no descriptor left: an error would end the server."""
+
+    def accept(self) -> tuple[socket.socket, Any]:
+        while True:
+            try:
+                return super().accept()
+            except OSError as error:
+                if error.errno not in (errno.EMFILE, errno.ENFILE):
+                    raise
+            time.sleep(_PARTING)
 
 
 class Page:
@@ -54,20 +75,25 @@ class Page:
         if not 0 <= port <= _PORTS:
             raise InputError(f"--port {port}: allowed is a whole number up to {_PORTS}, 0 for a free one")
         try:
-            from websockets.sync.server import serve
+            from websockets.sync.server import ServerConnection, serve
         except ImportError:
             raise InputError("the page needs the package websockets: pip install 'ecm-fast[view]'") from None
         quiet = logging.getLogger(f"{__name__}.connections")  # what a client does wrong is not our user's business
         quiet.addHandler(logging.NullHandler())
         quiet.propagate = False
         self._make = make
+        self._connection: Any = ServerConnection
+        self._sockets: list[socket.socket] = []
         self._lock = threading.Lock()
         self.frames = 0
         try:
-            self._server: Any = serve(
+            made = socket.create_server((_HOST, port))
+            start: Any = serve
+            self._server: Any = start(
                 self._talk,
-                _HOST,
-                port,
+                sock=_Listener(made.family, made.type, made.proto, fileno=made.detach()),
+                create_connection=self._admitted,
+                open_timeout=_SILENT,
                 process_request=self._answer,
                 max_size=_LONGEST,
                 compression=None,
@@ -93,6 +119,23 @@ class Page:
     def stop(self) -> None:
         """End `serve`, from another thread."""
         self._server.shutdown()
+
+    def _admitted(self, own: socket.socket, *args: Any, **options: Any) -> Any:
+        """Return a connection on a socket, or say why there is none and raise, so that the socket is closed."""
+        with self._lock:
+            self._sockets = [other for other in self._sockets if other.fileno() >= 0]
+            full = len(self._sockets) >= _MOST
+            if not full:
+                self._sockets.append(own)
+        if not full:
+            return self._connection(own, *args, **options)
+        text = f"{_MOST} connections are open, and no more are taken: close a page that shows this neck\n"
+        own.settimeout(_PARTING)
+        own.sendall(f"HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain; charset=utf-8\r\n"
+                    f"Content-Length: {len(text)}\r\nConnection: close\r\n\r\n{text}".encode())  # fmt: skip
+        own.shutdown(socket.SHUT_WR)
+        own.recv(_LONGEST)  # what is closed unread resets the connection, and the text is lost
+        raise ConnectionRefusedError(text)
 
     def _answer(self, connection: Any, request: Any) -> Any:
         """Return a file or a refusal; None lets a page's socket in."""
