@@ -17,7 +17,9 @@ _ON_TERMINAL, _ON_LINES = 0.2, 10.0
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("spec", metavar="SPEC", help="what varies, and how (TOML); see the README")
+    parser.add_argument(
+        "spec", metavar="SPEC", help="what varies, and how (TOML); see ecm_fast/studies/sweeps/README.md"
+    )
     parser.add_argument("--threads", metavar="N", type=count, help="of this machine; default: one a core")
     parser.add_argument("--cluster", metavar="ADDRESS", help="of a scheduler of dask's distributed; default: none")
 

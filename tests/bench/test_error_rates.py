@@ -12,6 +12,8 @@ from bench import results_page
 from ecm_fast.testbed.sealed.ground_truth import Truth
 from ecm_fast.testbed.sealed.hide import hide
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 WORDS = ("--count", "2", "--designs", "grid2", "--noises", "white", "force", "--materials", "unknown")
 

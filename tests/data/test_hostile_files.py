@@ -13,6 +13,8 @@ from ecm_fast.data.columns import COLUMNS
 from ecm_fast.data.measurements import read_measurements
 from ecm_fast.errors import InputError
 
+pytestmark = pytest.mark.slow
+
 NAMES = [name for column in COLUMNS.values() for name in column.names]
 
 ODD = ["", " ", "1,5", "nan", "-0", "1e400", "1_0", '"', '"1"', "'", "#", "\ufeff", "\x0b", "\u2028", "\r"]

@@ -11,6 +11,8 @@ from ecm_fast.mechanism.catalogue import CATALOGUE
 from ecm_fast.models.instruments.prediction import predict
 from ecm_fast.testbed import Sensors, measure, tendon_test
 
+pytestmark = pytest.mark.slow
+
 NECK = Mechanism()
 OFF = {"beam_length": 6e-5, "pulley_height": -2e-4}  # twice their tolerances
 TRUTH = NECK.replace(precurvature=0.2, **OFF)

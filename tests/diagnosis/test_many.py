@@ -18,6 +18,8 @@ from ecm_fast.identification.rows import FitRows
 from ecm_fast.testbed import Sensors, in_sequence, measure, shear_test, tendon_test
 from ecm_fast.testbed.sealed.hide import hide
 
+pytestmark = pytest.mark.slow
+
 NECK = Mechanism()
 MADE = NECK.replace(EA=7600.0, GA=2400.0, EI=2.95)
 COUPLE = "bending_hysteresis.couple"

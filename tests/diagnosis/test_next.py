@@ -15,6 +15,8 @@ from ecm_fast.mechanism.mechanism import Mechanism
 from ecm_fast.models.instruments.prediction import predict
 from ecm_fast.testbed import Sensors, measure, tendon_test
 
+pytestmark = pytest.mark.slow
+
 NECK = Mechanism()
 FREE = ("EA", "GA", "EI")
 SIGMA = (1e-4, 1e-4, 1e-3)

@@ -13,6 +13,8 @@ from ecm_fast.mechanism.mechanism import Mechanism
 from ecm_fast.models.instruments.prediction import predict
 from ecm_fast.testbed import Sensors, equilibria, measure, readings, shear_test, tendon_test
 
+pytestmark = pytest.mark.slow
+
 GRID = tendon_test(grid=9, replicated=15, replicates=3, seed=3)
 NECK = Mechanism()
 NOISE = Sensors(force_sigma=0.15)

@@ -12,6 +12,8 @@ from ecm_fast.diagnosis.statistics.lack_of_fit import null_quantile, score_test,
 from ecm_fast.diagnosis.statistics.priors import Priors, size_factor
 from ecm_fast.diagnosis.statistics.robust_noise import NoiseFit, RowOrder, clean, orthonormal, removal
 
+pytestmark = pytest.mark.slow
+
 ALL = np.zeros(3, dtype=bool)
 
 

@@ -21,6 +21,8 @@ from ecm_fast.mechanism.parameters import find
 from ecm_fast.testbed import Sensors, equilibria, measure, readings, shear_test, tendon_test
 from ecm_fast.testbed.sealed.hide import hide
 
+pytestmark = pytest.mark.slow
+
 NECK = Mechanism()
 LOADS = tendon_test(grid=9, seed=2)
 MADE = NECK.replace(EA=7600.0, GA=2400.0, EI=2.95)

@@ -15,6 +15,8 @@ from ecm_fast.diagnosis.results.external_validation import allowed
 from ecm_fast.diagnosis.search.subsample import search_all
 from ecm_fast.testbed import Sensors, measure, shear_test, tendon_test
 
+pytestmark = pytest.mark.slow
+
 NECK = Mechanism()
 LOADS = tendon_test(grid=9, seed=2)
 SIDE = shear_test(np.linspace(-60.0, 60.0, 9))

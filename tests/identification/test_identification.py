@@ -26,6 +26,8 @@ from ecm_fast.testbed import (
     tilt_test,
 )
 
+pytestmark = pytest.mark.slow
+
 STIFFNESSES = ["EA", "GA", "EI"]
 OFF = {"EA": 7000.0, "GA": 2800.0, "EI": 2.7}
 EXACT = Sensors.perfect()

@@ -9,6 +9,8 @@ from ecm_fast.data import datasets
 from ecm_fast.errors import InputError
 from ecm_fast.identification.posterior import _complaints, posterior
 
+pytestmark = pytest.mark.slow
+
 emcee = pytest.importorskip("emcee", reason="no sampler here: emcee is not installed")
 
 

@@ -13,6 +13,8 @@ from ecm_fast.identification.variance_components import VarianceComponents, vari
 from ecm_fast.models.sensitivity import Sensitivities
 from ecm_fast.testbed import Sensors, equilibria, readings, tendon_test
 
+pytestmark = pytest.mark.slow
+
 ROWS, LEVEL = 200, 0.90
 CAMERA = np.array([1e-4, 1e-4, 1e-3])
 

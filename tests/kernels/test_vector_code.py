@@ -16,6 +16,8 @@ import numba
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 X86 = platform.machine().lower() in ("x86_64", "amd64")
 ORDERS = (3, 4, 5, 6)

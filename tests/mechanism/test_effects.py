@@ -8,6 +8,8 @@ from ecm_fast.mechanism.parameters import index
 from ecm_fast.mechanism.vector import pack
 from ecm_fast.models.instruments.measuring_chain import MeasuringChain
 
+pytestmark = pytest.mark.slow
+
 NECK = Mechanism.preset("slender")
 EXACT = 1e-13  # Newton's last step squares it
 EFFECTS = [pytest.param(effect, id=effect.name) for effect in CATALOGUE.values()]

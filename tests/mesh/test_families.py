@@ -83,6 +83,7 @@ class Element:
 TURNS = [0.0, 1e-9, -0.01, 0.4, -0.9999999, 1.0000001, 2.0, -3.3, 5.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turn", TURNS)
 @pytest.mark.parametrize(("family", "order", "gauss"), OTHERS)
 def test_kernels_are_derivatives_of_the_reference_energy(family, order, gauss, turn):

@@ -26,6 +26,8 @@ from ecm_fast.models import reference
 from ecm_fast.models.equilibrium import Equilibrium, Status
 from ecm_fast.models.finite_element import FiniteElementModel
 
+pytestmark = pytest.mark.slow
+
 EPS = float(np.finfo(np.float64).eps)
 # one try at full load and two walks of load steps, each with at most so many Newton steps: no load makes a solve hang
 MOST_STEPS = MAX_ITERATIONS * (1 + 2 * MAX_LOAD_STEPS)

@@ -257,6 +257,7 @@ def test_pivots_count_negative_eigenvalues():
     assert {0, 1, 2} <= set(counts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", CASES)
 def test_reference_tangent_is_the_derivative_of_the_residual(seed):
     """Complex step, exact to rounding: the tangent is d(residual)/dq and symmetric, as all forces have an energy."""
@@ -270,6 +271,7 @@ def test_reference_tangent_is_the_derivative_of_the_residual(seed):
     assert np.abs(K - K.T).max() < ROUNDING * np.abs(K).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", CASES)
 def test_reference_residual_is_the_gradient_of_the_energy(seed):
     """Complex step, exact to rounding: every force, also a tendon's on its pulley, is minus the energy's gradient."""

@@ -14,6 +14,8 @@ from ecm_fast.mechanism.mechanism import Mechanism
 from ecm_fast.models.instruments.prediction import predict
 from ecm_fast.pages.catalogue import signatures, sweep
 
+pytestmark = pytest.mark.slow
+
 
 def test_patterns_are_differences_of_solves() -> None:
     """Central differences of full solves."""

@@ -30,6 +30,8 @@ from ecm_fast.pages.live.controls import LAM_MAX, controls
 from ecm_fast.pages.live.drawing import outline
 from ecm_fast.pages.live.scene import parsed
 
+pytestmark = pytest.mark.slow
+
 NECK = ecm.Mechanism()
 
 

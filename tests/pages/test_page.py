@@ -16,6 +16,8 @@ from ecm_fast.mechanism.catalogue import CATALOGUE
 from ecm_fast.mechanism.mechanism import Mechanism
 from ecm_fast.testbed import Sensors, measure, tendon_test
 
+pytestmark = pytest.mark.slow
+
 PICTURES = {"gap", "workspace", "residual_maps", "parity", "loops", "wrenches", "evidence", "cosines", "parameters",
             "left_over", "stiffness"}  # fmt: skip
 

@@ -13,7 +13,10 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="looks at compiled kernels")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="looks at compiled kernels"),
+]
 
 SMALL = (
     "import ecm_fast.kernels.trig as t; print(*(repr(f(x)) for f in (t.sincos, t.sincos_near) for x in (0.3, -1.5)))"

@@ -12,6 +12,8 @@ from ecm_fast.__main__ import main
 from ecm_fast.mechanism.sections import SECTIONS, quantities
 from ecm_fast.testbed import Sensors, measure, shear_test, tendon_test
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
 PAGES = [README, *sorted((ROOT / "ecm_fast").rglob("README.md"))]

@@ -18,6 +18,8 @@ from ecm_fast.studies.elements.errors import Converged, converged, errors, short
 from ecm_fast.studies.elements.study import ElementStudy, Measured, choose_discretization, needed, pareto, recommended
 from ecm_fast.testbed import equilibria
 
+pytestmark = pytest.mark.slow
+
 # the table: largest |tip error| / L over 60 pairs of tendon forces, by a program that shares no line with this one
 TABLE_NECK = Mechanism().replace(length=0.15, EI=3.0, GA=2420.0, EA=7500.0, pulley_x=-0.02, pulley_z=0.06)
 LINEAR = {1: 3.9e-2, 2: 1.1e-2, 5: 1.9e-3, 10: 4.8e-4, 20: 1.2e-4, 40: 3.0e-5, 80: 7.6e-6, 160: 1.9e-6, 320: 4.7e-7}

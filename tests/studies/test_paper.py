@@ -36,6 +36,8 @@ from ecm_fast.studies.paper.outlook_pose_alone import buckling, holding, pose_al
 from ecm_fast.studies.paper.table1_fit import fitted
 from ecm_fast.studies.paper.table1_stiffness import hooke_ratio
 
+pytestmark = pytest.mark.slow
+
 SMALL = {
     "wrenches": partial(wrenches, draws=2, n=200, tests=60),
     "kinds": partial(kinds, draws=1, n=150, tests=40),

@@ -28,6 +28,8 @@ from ecm_fast.studies.sweeps.sampling import cases
 from ecm_fast.studies.sweeps.scheduler import TRIES, run
 from ecm_fast.studies.sweeps.statistics import Channel
 
+pytestmark = pytest.mark.slow
+
 parquet = pytest.importorskip("pyarrow.parquet")
 
 LAM = {"lam_l": [0.0, 160.0], "lam_r": [0.0, 160.0]}

@@ -19,6 +19,8 @@ from ecm_fast.errors import InputError
 from ecm_fast.pages.plots import shown_time
 from ecm_fast.studies.timing import EMPTY, Timing, each_in_turn, in_turn, machine
 
+pytestmark = pytest.mark.slow
+
 
 class Clock:
     """A clock that only goes on when something works; reading it is free."""

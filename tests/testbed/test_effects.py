@@ -76,6 +76,7 @@ HARDLY = {"shear_cubic": 0.005}
 """Largest shift in sigmas of the camera at the typical size of what these loads hardly show."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_every_effect_is_felt_and_its_size_has_a_slope_at_zero(name, quick, quickly):
     """Calculus: the change at twice a small size is twice the change, and not zero."""
@@ -85,6 +86,7 @@ def test_every_effect_is_felt_and_its_size_has_a_slope_at_zero(name, quick, quic
     assert np.abs(twice - 2.0 * up).max() < 0.05 * np.abs(twice).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", [e for e in STATIC if e.mirror != "mixed"], ids=lambda e: e.name)
 def test_exchanging_left_and_right_mirrors_the_pose(effect, quick):
     """Mirror symmetry: tendons exchanged, odd effects reversed."""

@@ -14,6 +14,8 @@ from ecm_fast.mechanism.sections import EFFECT_QUANTITIES
 from ecm_fast.testbed import DESIGNS, OUTSIDE, design, equilibria, laws
 from ecm_fast.testbed.sealed.hide import NOISES, TOLERANCES, conditions, drawn
 
+pytestmark = pytest.mark.slow
+
 SIGMA = np.array([1e-4, 1e-4, 1e-3])
 
 

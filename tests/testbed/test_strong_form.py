@@ -133,6 +133,7 @@ def test_elastica_under_an_inclined_load(table):
     assert np.abs(found - column(entries, "x_over_L", "z_over_L", "theta_tip_rad")).max() < TABLE
 
 
+@pytest.mark.slow
 def test_heavy_elastica_weight_and_tilt(table):
     """Shooting: the table of the heavy elastica."""
     entries = table("heavy_elastica_horizontal")
@@ -154,6 +155,7 @@ def test_pure_bending_is_a_circle(table):
     assert np.abs(found - known).max() < TABLE
 
 
+@pytest.mark.slow
 def test_a_column_fails_at_its_buckling_load(table):
     """Closed form: the critical load of the shear-flexible compressible column."""
     step = 1.0 / 1024.0  # the smallest load step
@@ -242,6 +244,7 @@ def test_effects_that_only_change_a_number_of_the_drawing():
     assert np.abs(tilted - poses(neck, **loads)).max() > 1e-4
 
 
+@pytest.mark.slow
 def test_the_mirror_image_of_every_neck():
     """Mirror symmetry, for every effect."""
     lam = np.random.default_rng(5).uniform(0.0, 160.0, (20, 2))
@@ -355,6 +358,7 @@ def test_a_tendon_pulled_up_to_its_pulley_is_lost():
         found.raise_if_failed()
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(120)
 def test_a_section_that_gives_way_is_reported():
     """EI (kappa - 0.0048 m^2 kappa^3) bears no more than its couple at 8.3 / m, which one tendon exceeds."""
@@ -685,6 +689,7 @@ def writer():
     return module
 
 
+@pytest.mark.slow
 def test_the_shipped_campaigns_are_what_their_writer_writes(writer, tmp_path):
     """Contract: the files are current, and a changed one is noticed."""
     assert writer.stale(writer.FOLDER) == []
@@ -697,7 +702,7 @@ def test_the_shipped_campaigns_are_what_their_writer_writes(writer, tmp_path):
 
 def test_the_shipped_campaigns_are_small():
     """Contract: less than 300 kB in all."""
-    files = list((ROOT / "ecm_fast" / "datasets").glob("simulated_*"))
+    files = list((ROOT / "ecm_fast" / "data" / "datasets").glob("simulated_*"))
     assert len(files) == 12
     assert sum(path.stat().st_size for path in files) < 300_000
 
