@@ -99,6 +99,7 @@ def few(rows: np.ndarray, rng: np.random.Generator) -> Measurements:
 
 @pytest.mark.parametrize("count", [1, 2])
 def test_fewer_than_three_rows_give_no_interval_but_the_reason(count):
+    """Counting: the noise of three channels cannot be told from fewer readings; the text by hand."""
     fit = identify(Mechanism(), few(np.arange(3, 3 + count), np.random.default_rng(0)), ["EI"])
     assert (fit["EI"].std, fit["EI"].lower, fit["EI"].upper) == (np.inf, -np.inf, np.inf)
     assert fit.warnings[0].startswith("no interval for EI: the noise of x, z, theta is not declared, and ")
@@ -110,7 +111,7 @@ def test_fewer_than_three_rows_give_no_interval_but_the_reason(count):
     assert known.warnings == ()
 
 
-def test_one_row_that_the_model_misses_is_no_proof_of_its_stiffness():
+def test_one_row_that_the_model_misses_is_no_proof():
     """A row whose z the fit misses by 1.2 mm once gave EI +- 1.5e-9."""
     neck = Mechanism().replace(length=0.1, EA=276.0, GA=76.7, EI=0.0207, mass_per_length=0.0, **{"head.mass": 0.0})
     row = Measurements.from_columns({"fz_N": [0.6], "x_mm": [98.81], "z_mm": [12.0], "theta_deg": [-8.2]})
