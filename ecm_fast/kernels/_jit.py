@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numba
-from llvmlite import ir
+from llvmlite import binding, ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic, overload, register_jitable
 
@@ -24,6 +24,7 @@ __all__ = [
     "call_at",
     "call_kernel",
     "kernel",
+    "named_address",
     "ordered_kernel",
     "step_kernel",
     "wide",
@@ -119,6 +120,22 @@ _carray: Any = numba.carray  # type: ignore[attr-defined]
 def array_at(address: int, size: int) -> Any:
     """Return the `size` numbers at `address` as an array; the caller answers for both."""
     return _carray(_pointer(address), (size,))
+
+
+def named_address(name: str, address: int) -> Any:
+    """Return a function for kernels that is `address`, whatever it is in the process that runs the kernel.
+
+    The compiled code has the name alone, which is looked up when it is loaded: it can be kept and loaded anywhere.
+    """
+    binding.add_symbol(name, address)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.ptrtoint(context.get_c_value(builder, ir.IntType(8), name), ir.IntType(64))
+
+    def typed(typing_context: Any) -> Any:
+        return types.int64(), generate
+
+    return intrinsic(typed)
 
 
 _utilities: Any = cgutils

@@ -16,7 +16,7 @@ L_LAM_L, L_LAM_R, L_FX, L_FZ, L_TAU, L_GRAVITY, N_LOADS = range(7)
 # stations: quadrature weight [m], 1/element length [1/m], EA, GA, EI, curvature as built [1/m],
 # neutral axis offset [m], axial law (0 neo-Hookean, 1 Hooke), dead load per length in x and z [N/m]; 1 where any of
 # what follows is there; sizes of the effects of the section's laws, see `effects.section`; place as a share of the
-# length, address of the user's laws or 0, and the values of the user's effects
+# length, number of the user's laws or 0, and the values of the user's effects
 (S_WEIGHT, S_INV_H, S_EA, S_GA, S_EI, S_KAPPA0, S_OFFSET, S_HOOKE, S_LOAD_X, S_LOAD_Z, S_FURTHER, S_CUBIC,
  S_AMPLITUDE, S_ONE_SIDED, S_BIMODULUS, S_NEO_HOOKEAN, S_MOONEY, S_OGDEN, S_SHEAR_CUBIC, S_SHEAR_COMPRESSION,
  S_PLACE, S_LAW, S_USER) = range(23)
@@ -29,7 +29,7 @@ N_STATION = S_USER + N_USER
 # last Newton step [rad, shares of the length]; from force readings to forces: 1 + gain and zero [N] of either cell,
 # nonlinearity [1/N], crosstalk; side force [N], springs across [N/m] and against turning [N m/rad]; 1 where any of
 # what follows is there; stops on both sides and on one [N m/rad, rad], compliance of the plate's joint [rad/(N m)]
-# and of the clamp in x, z, theta [m/N, m/N, rad/(N m)], tilt of the clamp [rad]; address of the user's laws or 0, and
+# and of the clamp in x, z, theta [m/N, m/N, rad/(N m)], tilt of the clamp [rad]; number of the user's laws or 0, and
 # the values of the user's effects
 (T_ATTACH_LX, T_ATTACH_LZ, T_ATTACH_RX, T_ATTACH_RZ, T_PULLEY_LX, T_PULLEY_LZ, T_PULLEY_RX, T_PULLEY_RZ,
  T_RADIUS, T_COM_X, T_COM_Z, T_WEIGHT_X, T_WEIGHT_Z, T_LENGTH, T_BENDING_FORCE,
@@ -38,6 +38,13 @@ N_STATION = S_USER + N_USER
  T_LAW, T_USER) = range(37)
 N_TIP = T_USER + N_USER
 
+
+# past of a path, what a row inherits from the rows before it: lengths of both tendons [m] and tip angle [rad] at the
+# last one, in which direction either tendon last travelled (1 pulled in, -1 let out), slider [-], tip angle that is
+# remembered [rad], how far the tip is from it [rad]; of the row itself: time since the first one [h], time held [s],
+# largest load so far as a share of the full one; and the time stamp of the first one [s], inf before it
+(M_LENGTH_L, M_LENGTH_R, M_THETA, M_WAY_L, M_WAY_R, M_SLIDER, M_REMEMBERED, M_GAP, M_HOURS, M_HELD, M_PEAK,
+ M_FIRST, N_PAST) = range(13)
 
 # out: pose, Newton steps taken, last load factor reached on the stable branch, free length of the shorter tendon,
 # tangent stiffness at Q (lower triangle xx, zx, zz, tx, tz, tt)

@@ -7,10 +7,12 @@ the beam, weights, and every effect that only alters those. Such an effect costs
 import numpy as np
 
 from ..mechanism.catalogue import FULL_SCALE
+from ..mechanism.parameters import N_TAIL
 from ..mechanism.parameters import PLACES as P
 from . import layout as at
 from ._jit import kernel
 from .trig import sincos
+from .user_laws import find_law
 
 __all__ = ["prepare"]
 
@@ -92,12 +94,12 @@ def _prepare_section(par, station):
 
 @kernel
 def _put_user(par, which, room):
-    """Put the address of the user's laws, of the section (0) or of the head (1), and the values of his effects.
+    """Put the number of the user's laws, of the section (0) or of the head (1), and the values of their effects.
 
-    Returns whether any of his effects is there.
+    Returns whether any of these effects is there.
     """
-    own = par.shape[0] - 3 - len(P)
-    room[0] = par[par.shape[0] - 3 + which] if own > 0 else 0.0
+    own = par.shape[0] - N_TAIL - len(P)
+    room[0] = find_law(par[par.shape[0] - N_TAIL].real, which) if own > 0 else 0.0
     present = False
     for i in range(at.N_USER):
         room[1 + i] = par[len(P) + i] if i < own else 0.0

@@ -1,5 +1,8 @@
 """User-defined laws: called by address, differentiated here.
 
+Addresses hold in one process alone. They stand in a table of this process, and nowhere else: a parameter vector names
+its laws by the digest of `vector.tail`, `prepare` looks that up, and what it prepares has the number of an entry.
+
 A law is given the values of all user effects and three coordinates (strains, or the head's pose), and at a section its
 place; it returns three forces. It is compiled for complex numbers: for real ones the complex step gives the tangent,
 for complex ones, whose imaginary parts are a complex step already, the forces alone.
@@ -9,19 +12,42 @@ from typing import Any
 
 import numpy as np
 
-from ._jit import by_first_type, call_at, kernel
+from ._jit import array_at, by_first_type, call_at, kernel, named_address
 from .layout import N_USER
 
-__all__ = ["STEP", "added"]
+__all__ = ["LAWS", "STEP", "added", "find_law"]
 
 STEP = 1e-100  # of the complex step: no subtraction, so it may be as small as numbers go
+
+MOST_LAWS, N_LAW = 10_000, 3
+LAWS = np.zeros(N_LAW * (1 + MOST_LAWS))
+"""How many entries there are; then, entry by entry: digest, address of the laws of the section and of the head, or 0.
+
+Numbers below 2^53 all of them. Entries are only added: what was prepared with older laws keeps them.
+"""
+_laws = named_address("ecm_fast_laws", LAWS.ctypes.data)
+
+
+@kernel
+def find_law(digest, which):
+    """Number of the law of the section (0) or the head (1) for a digest; 0: none enters there, -1: never added here."""
+    laws = array_at(_laws(), N_LAW * (1 + MOST_LAWS))
+    for entry in range(int(laws[0]), 0, -1):
+        if laws[N_LAW * entry] == digest:
+            return N_LAW * entry + 1 + which if laws[N_LAW * entry + 1 + which] != 0.0 else 0
+    return -1
 
 
 @kernel
 def _at(a, b, c, law, values, place):
-    """Three forces at the coordinates a, b, c, complex."""
+    """Three forces at the coordinates a, b, c, complex; nan where there is no such law."""
+    laws, number = array_at(_laws(), N_LAW * (1 + MOST_LAWS)), int(law.real)
+    address = int(laws[number]) if 0 < number < N_LAW * (1 + int(laws[0])) else 0
+    if address == 0:
+        nothing = complex(np.nan)
+        return nothing, nothing, nothing
     return call_at(
-        int(law.real),
+        address,
         (
             complex(values[0]), complex(values[1]), complex(values[2]), complex(values[3]), complex(values[4]),
             complex(values[5]), complex(values[6]), complex(values[7]), a, b, c, complex(place),
@@ -53,6 +79,6 @@ def _choose(coordinate: Any) -> Any:
 
 
 added: Any = by_first_type(_choose)
-"""``added(a, b, c, law, values, place)``: what the user's laws add; `law` their address, `values` (N_USER,)."""
+"""``added(a, b, c, law, values, place)``: what the user's laws add; `law` their number, `values` (N_USER,)."""
 
 assert N_USER == 8  # as many as `_at` passes on

@@ -41,6 +41,18 @@ class Effects(Mapping[str, float]):
     def __repr__(self) -> str:
         return f"Effects({self._values})"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored_effects, (self._values,)
+
+
+def _restored_effects(values: Mapping[str, float]) -> Effects:
+    """Return effects that come from a pickle, perhaps of a process that had added some of its own."""
+    unknown = [name for name in values if name not in EFFECT_QUANTITIES]
+    if unknown:
+        raise InputError(f"effects.{unknown[0]}: no such effect in this process: where it is one of your own, run what "
+                         "adds it (ecm_fast.effect) before you load what has it")  # fmt: skip
+    return Effects(values)
+
 
 @dataclass(frozen=True)
 class Mechanism:

@@ -3,8 +3,9 @@
 Kernels take the vector; files, fits and reports use the names. To add a parameter, declare it in `sections`
 (or an effect in `catalogue`) and write its law in a kernel: the place in the vector follows from the declaration.
 
-Effects that a user adds at run time, see `user_effects`, come last. Behind them the vector then holds what the kernels
-need to call their laws: the addresses of those of the section and of the head, and which of the values are sizes.
+Effects that a user adds at run time, see `user_effects`, come last. Behind them the vector then holds a number that
+stands for their names, by which the kernels find their laws in this process, and which of the values are sizes; see
+`vector.tail`. A saved vector is so recognized where other effects, or none, have been added.
 """
 
 from collections import namedtuple
@@ -16,7 +17,7 @@ from .catalogue import CATALOGUE, Effect
 from .quantity import Quantity
 from .sections import EFFECT_QUANTITIES, SECTIONS
 
-__all__ = ["N_BUILT_IN", "PARAMETERS", "PLACES", "USER_LAWS", "append", "find", "index", "remove", "size"]
+__all__ = ["N_BUILT_IN", "N_TAIL", "PARAMETERS", "PLACES", "append", "find", "index", "remove", "size"]
 
 PARAMETERS: list[Quantity] = [
     *(item.metadata["quantity"] for section in SECTIONS.values() for item in fields(section)),
@@ -31,14 +32,12 @@ PLACES: Any = namedtuple("PLACES", _NAMES)(*range(len(_NAMES)))
 
 N_BUILT_IN = len(_NAMES)
 """How many entries there are without effects that a user adds."""
+N_TAIL = 2
+"""How many numbers stand behind the values of the effects that a user adds, where there are any."""
 
 _SHORT: dict[str, list[str]] = {}
 for _entry in PARAMETERS:
     _SHORT.setdefault(_entry.name, []).append(_entry.key)
-
-
-USER_LAWS = {"section": 0, "head": 0}
-"""Addresses of what calls the laws of all user effects of the section and of the head; 0 where there are none."""
 
 
 def append(effect: Effect) -> None:
@@ -63,7 +62,7 @@ def remove(effect: Effect) -> None:
 
 def size() -> int:
     """Return how many numbers a parameter vector has."""
-    return len(PARAMETERS) + (3 if len(PARAMETERS) > N_BUILT_IN else 0)
+    return len(PARAMETERS) + (N_TAIL if len(PARAMETERS) > N_BUILT_IN else 0)
 
 
 def find(name: str) -> Quantity:

@@ -5,8 +5,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, real, shown
 from ..mechanism.parameters import PARAMETERS, size
+from ..mechanism.vector import check_tail
 
-__all__ = ["last_step", "many_loads", "numbers", "one_load", "parameter_rows"]
+__all__ = ["MIN_TOLERANCE", "last_step", "many_loads", "numbers", "one_load", "parameter_rows"]
 
 Array = NDArray[np.float64]
 # Newton's method leaves at most this times the square of its last step (measured: 0.4 under tendons, 1.2 with wrenches)
@@ -56,7 +57,9 @@ def parameter_rows(values: ArrayLike, n: int) -> Array:
     """Return parameter vectors (n, n_parameters), or raise where they cannot be meant; names row and parameter."""
     par = numbers("parameters", values)
     if par.shape != (n, size()):
-        raise InputError(f"parameters has shape {par.shape}: allowed is ({n}, {size()})")
+        raise InputError(f"parameters has shape {par.shape}: allowed is ({n}, {size()}), which counts the effects that "
+                         "were added in this process")  # fmt: skip
+    check_tail(par)
     lower, upper = (np.array([getattr(entry, bound) for entry in PARAMETERS]) for bound in ("lower", "upper"))
     known = par[:, : len(PARAMETERS)]
     outside = ~((known >= lower) & (known <= upper))

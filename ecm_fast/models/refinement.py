@@ -17,6 +17,7 @@ from ..kernels.general.sensitivity import tip_derivatives
 from ..kernels.layout import L_FX, L_GRAVITY, N_LOADS, N_OUT, N_STATION, N_TIP, O_FACTOR, O_THETA, O_X, O_Z
 from ..kernels.prepare import prepare
 from ..mechanism.parameters import PLACES
+from ..mechanism.vector import check_tail
 from ..mesh.discretization import Discretization
 from .equilibrium import Status
 from .paths.condensed import solve_nodes
@@ -142,6 +143,9 @@ class Nodes:
     loads: Array
     q: Array
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored_nodes, (self.mesh, self.par, self.loads, self.q)
+
     def nodes(self) -> Array:
         """Return all nodes, (3 n_nodes,)."""
         return self.q
@@ -158,6 +162,12 @@ class Nodes:
         """Return the estimated discretization error of the tip pose."""
         found = Solutions(self.q[None], np.zeros(1, dtype=np.int64), self.q[None, -3:], np.ones(1))
         return float(errors(self.mesh, self.par[None], self.loads[None], found)[0])
+
+
+def _restored_nodes(mesh: Discretization, par: Array, loads: Array, q: Array) -> Nodes:
+    """Return nodes from a pickle, or raise where its effects of the user's own are not those of this process."""
+    check_tail(par[None])
+    return Nodes(mesh, par, loads, q)
 
 
 def jumps(par: Array) -> tuple[float, ...]:

@@ -18,9 +18,11 @@ import numpy as np
 
 from ..errors import InputError, did_you_mean
 from ..kernels.layout import N_USER
+from ..kernels.user_laws import LAWS, MOST_LAWS, N_LAW
 from ..mechanism.catalogue import CATALOGUE, Effect, Mirror, declare
-from ..mechanism.parameters import PARAMETERS, PLACES, USER_LAWS, append, find, index, remove
+from ..mechanism.parameters import PARAMETERS, PLACES, append, find, index, remove
 from ..mechanism.quantity import Quantity
+from ..mechanism.vector import tail
 from .instruments.history import USER_ROWS
 
 __all__ = ["effect", "remove_effect"]
@@ -29,7 +31,8 @@ Law = Callable[..., Any]
 _ENTERS: dict[str, Any] = {"section": "section", "head": "environment", "rows": "path"}
 _LAWS: dict[str, dict[str, Law]] = {"section": {}, "head": {}}
 _COORDINATES = {"section": 4, "head": 3}
-_ALIVE: list[Any] = []  # compiled laws, whose addresses parameter vectors may still hold
+_ALIVE: list[Any] = []  # compiled laws, whose addresses are in the kernels' table for good
+_ADDRESSES = {"section": 0, "head": 0}
 _PROBES = np.array([[0.96, 0.01, 3.0, 0.3], [1.02, -0.02, -2.0, 0.8], [0.9, 0.03, 0.5, 0.6]])
 _SYMMETRY = 1e-9  # share of the tangent by which rounding may break its symmetry
 
@@ -54,9 +57,9 @@ def effect(
     Parameters
     ----------
     name : a word of small letters and underscores, in no use yet
-    more : further parameters, made by `ecm_fast.effects.also`; their values follow the size in the law's arguments
-    unit, typical, bounds, law, meaning, mirror, family, size, needs, tolerance : see `ecm_fast.effects.Effect` and
-        `ecm_fast.quantity.Quantity`; default bounds are a hundred times the typical size
+    more : further parameters, made by `ecm_fast.also`; their values follow the size in the law's arguments
+    unit, typical, bounds, law, meaning, mirror, family, size, needs, tolerance : see `ecm_fast.Effect` and
+        `ecm_fast.Quantity`; default bounds are a hundred times the typical size
     enters : what the law is given behind the values, and returns
 
         ``section``  gamma_x, gamma_z, kappa, place (share of the length); adds N, Q, M
@@ -89,6 +92,7 @@ def effect(
                 _LAWS[enters][name] = function
                 _compile(enters)
                 _check_law(own, enters)
+            _enter()
         except Exception:
             remove_effect(name)
             raise
@@ -113,6 +117,7 @@ def remove_effect(name: str) -> None:
     for enters, laws in _LAWS.items():
         laws.pop(name, None)
         _compile(enters)  # places have moved
+    _enter()
 
 
 def _check_name(own: Effect) -> None:
@@ -140,7 +145,7 @@ def _compile(enters: str) -> None:
 
     laws, first = _LAWS[enters], len(PLACES)
     if not laws:
-        USER_LAWS[enters] = 0
+        _ADDRESSES[enters] = 0
         return
     coordinates = [f"given[{N_USER + i}]" for i in range(_COORDINATES[enters])]
     lines = [
@@ -159,7 +164,18 @@ def _compile(enters: str) -> None:
     numbers: Any = numba.types.CPointer(numba.types.complex128)  # type: ignore[no-untyped-call]
     function: Any = numba.cfunc(numba.types.void(numbers, numbers))(names["added"])
     _ALIVE.append(function)
-    USER_LAWS[enters] = function.address
+    _ADDRESSES[enters] = function.address
+
+
+def _enter() -> None:
+    """Add the laws that there are now to the kernels' table, under the digest of their names."""
+    if not (digest := tail()).size:
+        return
+    entry = int(LAWS[0]) + 1
+    if entry > MOST_LAWS:
+        raise InputError(f"effects were added or removed {MOST_LAWS} times: no more can be in one process")
+    LAWS[N_LAW * entry : N_LAW * (entry + 1)] = digest[0], _ADDRESSES["section"], _ADDRESSES["head"]
+    LAWS[0] = entry
 
 
 def _check_law(own: Effect, enters: str) -> None:
