@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.measurements import Measurements
-from ...kernels.history import follow
+from ...kernels.history import unfaded_rows
 from ...models.instruments.history import Record
 
 __all__ = ["coordinates", "smooth_columns"]
@@ -95,12 +95,11 @@ def _of_settling(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> list[
 
 def _forgotten(record: Record) -> Array:
     """Return what each time of `_SETTLING` leaves of the change from earlier forces, (n, 4)."""
-    data, n = record.data, record.data.n
-    still, rest, travel, slider = np.zeros((n, 2)), np.zeros(2), np.empty((n, 2)), np.empty(n)
-    out = np.empty((2 * len(_SETTLING), n))
+    data = record.data
+    out = np.empty((2 * len(_SETTLING), data.n))
     forces = (data.lam_l + data.lam_r, data.lam_l - data.lam_r)
     for column, (force, time) in zip(out, product(forces, _SETTLING), strict=True):
-        follow(record.begins, record.repeats, record.held, force, still, rest, 1.0, time, travel, slider, column)
+        unfaded_rows(record.begins, record.held, force, time, column)
     return np.where(np.isfinite(data.dwell), out / max(float(np.ptp(forces, axis=1).max()), 1e-9), 0.0).T
 
 

@@ -32,12 +32,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.measurements import Measurements
-from ...kernels.history import follow, tendon_lengths
+from ...kernels.history import FULL_LOAD, follow, tendon_lengths
+from ...kernels.layout import N_PAST, N_STATION, N_TIP, T_ATTACH_LX, T_LENGTH, T_PULLEY_LX
+from ...kernels.prepare import prepare
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.parameters import PLACES as P
 from ...mechanism.parameters import index
 
-__all__ = ["TARGETS", "USER_ROWS", "History", "Record", "Rows", "is_on_path", "on_path"]
+__all__ = ["TARGETS", "USER_ROWS", "History", "Record", "Rows", "attachments", "is_on_path", "on_path", "path_effects"]
 
 Array = NDArray[Any]
 Places = NDArray[np.int64] | slice
@@ -51,17 +53,21 @@ TARGETS = (
 USER_ROWS: dict[str, Callable[..., Mapping[str, Any]]] = {}
 """Laws of effects that a user adds and that change entries row by row, by the effect's name, see `user_effects`."""
 
-_FULL_LOAD = 320.0  # [N] of both tendons together
-
 
 def on_path() -> dict[str, int]:
     """Return keys and places of the parameters of effects of the path."""
     return {entry.key: index(entry.key) for item in CATALOGUE.values() if item.enters == "path" for entry in item}
 
 
+def path_effects(par: Array) -> list[str]:
+    """Return the names of the effects of the path that mechanisms have, (..., n_parameters)."""
+    effects = [item for item in CATALOGUE.values() if item.enters == "path"]
+    return [item.name for item in effects if par[..., index(item.size.key)].any()]
+
+
 def is_on_path(par: Array) -> bool:
     """Whether a mechanism has an effect of the path."""
-    return any(par[..., index(item.size.key)].any() for item in CATALOGUE.values() if item.enters == "path")
+    return bool(path_effects(par))
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +96,7 @@ class Record:
         repeats[1:] = (data.pose_id[1:] == data.pose_id[:-1]) & (data.pose_id[1:] != "") & ~begins[1:]
         first = np.maximum.accumulate(np.where(begins, np.arange(data.n), 0))
         hours = np.nan_to_num((data.t - data.t[first]) / 3600.0)
-        load, peak = (data.lam_l + data.lam_r) / _FULL_LOAD, np.empty(data.n)
+        load, peak = (data.lam_l + data.lam_r) / FULL_LOAD, np.empty(data.n)
         for start, end in zip(np.flatnonzero(begins), [*np.flatnonzero(begins)[1:], data.n], strict=True):
             peak[start:end] = np.maximum.accumulate(load[start:end])
         return cls(begins, repeats, hours, np.nan_to_num(data.dwell), peak, data)
@@ -134,64 +140,39 @@ class History:
     @classmethod
     def of(cls, record: Record, par: Array, pose: Array) -> "History":
         """Make the history of a record from poses (n, 3) without memory; par : (1 or n, n_parameters)."""
-        attached, pulleys = _attachments(par)
-        straight = np.array([[par[0, P.beam_length] + par[0, P.effects_beam_length], 0.0, 0.0]])
-        lengths, rest = np.empty((len(pose), 2)), np.empty((1, 2))
+        attached, pulleys, rest = attachments(par)
+        lengths = np.empty((len(pose), 2))
         tendon_lengths(pose, attached, pulleys, lengths)
-        tendon_lengths(straight, attached, pulleys, rest)
-        return cls(record, pose[:, 2], lengths, rest[0])
+        return cls(record, pose[:, 2].copy(), lengths, rest)
 
     def apply(self, rows: Array, only: Places = slice(None)) -> None:
         """Write what the effects of the path make of the parameter vectors, (k, n_parameters), real or complex.
 
         only : places of their rows in the record; default all of them
         """
-        record, par = self.record, rows[0].copy()
-        n = len(record.hours)
-        angle, time = par[P.effects_bending_hysteresis_angle], par[P.effects_fading_memory_time]
-        travel, slider, gap = np.empty((n, 2)), np.empty(n, rows.dtype), np.empty(n, rows.dtype)
-        follow(record.begins, record.repeats, record.held, self.theta, self.lengths, self.rest,
-               angle, time, travel, slider, gap)  # fmt: skip
+        record, par, n = self.record, rows[0].copy(), len(self.theta)
+        marks = record.begins, record.repeats, record.hours, record.held, record.peak
+        past, travel, places = np.zeros(N_PAST, rows.dtype), np.empty((n, 2)), np.arange(n)[only]
+        follow(marks, self.theta, self.lengths, self.rest, par, past, places, rows, travel)
         seen = Rows(record.data, record.hours, record.held, record.peak, travel, self.theta)
-        hours, travel, slider, gap = record.hours[only], travel[only], slider[only], gap[only]
-        soften = 1.0 - par[P.effects_mullins_softening] * record.peak[only]
-        factor = soften * (1.0 + par[P.effects_stiffness_drift] * hours)
-        factor /= 1.0 + par[P.effects_creep] * np.log10(1.0 + record.held[only])
-        length = par[P.beam_length] + par[P.effects_beam_length]
-        bent = par[P.effects_bending_hysteresis_couple] * slider / par[P.beam_EI]
-        rows[:, P.effects_precurvature] -= bent + par[P.effects_fading_memory_share] * gap / length
-        for place in (P.beam_EA, P.beam_GA, P.beam_EI):
-            rows[:, place] *= factor
-        _forces(rows, par, hours, travel)
-        rows[:, P.effects_camera_x_offset] += par[P.effects_camera_drift_x] * hours
-        rows[:, P.effects_camera_z_offset] += par[P.effects_camera_drift_z] * hours
         for name, law in USER_ROWS.items():
             values = [par[index(entry.key)] for entry in CATALOGUE[name]]
             for key, change in law(*values, seen).items():
                 rows[:, index(key)] += np.broadcast_to(change, n)[only]
 
 
-def _forces(rows: Array, par: Array, hours: Array, travel: Array) -> None:
-    """Friction and drift of both force cells."""
-    gain, uneven = 1.0 + par[P.effects_force_gain], 0.5 * par[P.effects_force_gain_asymmetry]
-    grip = par[P.effects_tendon_capstan_friction_coefficient] * par[P.effects_tendon_capstan_friction_wrap]
-    left, right = (gain + uneven) * np.exp(-grip * travel[:, 0]), (gain - uneven) * np.exp(-grip * travel[:, 1])
-    rows[:, P.effects_force_gain], rows[:, P.effects_force_gain_asymmetry] = 0.5 * (left + right) - 1.0, left - right
-    drag, drift = par[P.effects_tendon_coulomb_friction], par[P.effects_force_zero_drift]
-    rows[:, P.effects_force_zero] += drift * hours - 0.5 * drag * (travel[:, 0] + travel[:, 1])
-    apart = par[P.effects_force_zero_drift_asymmetry] * hours - drag * (travel[:, 0] - travel[:, 1])
-    rows[:, P.effects_force_zero_asymmetry] += apart
+def attachments(par: Array) -> tuple[Array, Array, Array]:
+    """Return where tendons begin and end, left and right, and their lengths on the straight neck.
 
-
-def _attachments(par: Array) -> tuple[Array, Array]:
-    """Attachments in the head's frame and pulley centers, left and right, (n, 2, 2) each [m]."""
-    from ...kernels.layout import N_STATION, N_TIP, T_ATTACH_LX, T_PULLEY_LX
-    from ...kernels.prepare import prepare
-
+    Attachments in the head's frame and pulley centers, (n, 2, 2) each, from parameter vectors (n, n_parameters), and
+    the lengths of the first one, (2,) [m].
+    """
     tips, stations, q_rest = np.empty((len(par), N_TIP)), np.empty((1, N_STATION)), np.empty(3)
     mesh, nodes = np.array([[0.5, 1.0, 1.0]]), np.zeros(1)
     for own, tip in zip(par, tips, strict=True):
         prepare(own, mesh, nodes, stations, tip, q_rest)
-    attached = tips[:, T_ATTACH_LX : T_ATTACH_LX + 4].reshape(-1, 2, 2)
-    pulleys = tips[:, T_PULLEY_LX : T_PULLEY_LX + 4].reshape(-1, 2, 2)
-    return np.ascontiguousarray(attached), np.ascontiguousarray(pulleys)
+    attached = np.ascontiguousarray(tips[:, T_ATTACH_LX : T_ATTACH_LX + 4].reshape(-1, 2, 2))
+    pulleys = np.ascontiguousarray(tips[:, T_PULLEY_LX : T_PULLEY_LX + 4].reshape(-1, 2, 2))
+    straight, rest = np.array([[tips[0, T_LENGTH], 0.0, 0.0]]), np.empty((1, 2))
+    tendon_lengths(straight, attached, pulleys, rest)
+    return attached, pulleys, rest[0]

@@ -33,7 +33,7 @@ CHANGES = {"tilt": "gravity_tilt", "extra_mass": "effects.head_mass"}
 _CAMERA = [index(entry.key) for effect in CATALOGUE.values() if effect.enters == "camera" for entry in effect]
 _INHERITED = {PARAMETERS[place].key for place in (*TARGETS, PLACES.beam_length, PLACES.effects_beam_length)}
 _STEP = 1e-100  # of the complex step
-_WITHOUT_MEMORY = 1e-13  # squared last Newton step of the solution that the history follows
+_WITHOUT_MEMORY = 1e-14  # squared last Newton step of the solution that the history follows
 
 
 def row_parameters(par: Array, data: Measurements) -> Array | None:

@@ -16,7 +16,7 @@ from ...mechanism.mechanism import Mechanism
 from ...mechanism.vector import pack
 from ...mesh.discretization import Discretization
 from ..equilibrium import Status
-from ..loads import last_step
+from ..loads import MIN_TOLERANCE, last_step
 from .measuring_chain import MeasuringChain
 
 __all__ = ["Prediction", "predict"]
@@ -125,5 +125,5 @@ def predict(
     InputError : a row's tilt or extra mass leaves the bounds of the parameter it adds to; names the row.
     """
     chain = MeasuringChain(Discretization.of(elements, order, None), data)
-    pose, status, load_factor = chain.solve(pack(mechanism), last_step(1e-9), threads)
+    pose, status, load_factor = chain.solve(pack(mechanism), last_step(MIN_TOLERANCE), threads)
     return Prediction(pose, status, load_factor, data)
