@@ -6,12 +6,10 @@
 True
 """
 
-# ruff: noqa: F401  `__all__` is made from `_HOME`; the imports below are for type checkers and editors
-
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # for type checkers and editors; at run time `__getattr__` imports
     from .data import datasets
     from .data.measurements import Measurements, read_measurements
     from .diagnosis import Diagnosis, Plan, Study, diagnose, plan
@@ -20,7 +18,7 @@ if TYPE_CHECKING:
     from .identification.material_tests import CompressionFit, fit_compression, fit_shear
     from .identification.posterior import Posterior, posterior
     from .identification.result import Estimate, Identification, Profile
-    from .mechanism.catalogue import CATALOGUE, Effect
+    from .mechanism.catalogue import CATALOGUE, Effect, also
     from .mechanism.mechanism import Effects, Mechanism
     from .mechanism.parameters import PARAMETERS
     from .mechanism.quantity import Quantity
@@ -30,6 +28,7 @@ if TYPE_CHECKING:
     from .models.equilibrium import BatchResult, Equilibrium, Status
     from .models.finite_element import FiniteElementModel
     from .models.instruments.prediction import Prediction, predict
+    from .models.path_state import PathState
     from .models.polynomial.model import ForwardPolynomial, PolynomialModel
     from .models.polynomial.training import (
         TrainingSet,
@@ -39,6 +38,8 @@ if TYPE_CHECKING:
         training_poses,
         training_rows,
     )
+    from .models.stepper import Stepper
+    from .models.user_effects import effect, remove_effect
     from .studies.elements.candidates import Candidate
     from .studies.elements.errors import LoadSet
     from .studies.elements.study import Choice, ElementStudy, choose_discretization, study_elements
@@ -52,7 +53,7 @@ _HOME = {
     "data.measurements": ("Measurements", "read_measurements"),
     "diagnosis": ("Diagnosis", "Plan", "Study", "diagnose", "plan"),
     "mesh.discretization": ("Discretization",),
-    "mechanism.catalogue": ("CATALOGUE", "Effect"),
+    "mechanism.catalogue": ("CATALOGUE", "Effect", "also"),
     "models.user_effects": ("effect", "remove_effect"),
     "studies.elements.candidates": ("Candidate",),
     "studies.elements.errors": ("LoadSet",),
@@ -65,6 +66,8 @@ _HOME = {
     "identification.material_tests": ("CompressionFit", "fit_compression", "fit_shear"),
     "mechanism.mechanism": ("Effects", "Mechanism"),
     "models.finite_element": ("FiniteElementModel",),
+    "models.path_state": ("PathState",),
+    "models.stepper": ("Stepper",),
     "mechanism.parameters": ("PARAMETERS",),
     "mechanism.sections": ("Beam", "Gravity", "Head", "Tendons"),
     "mechanism.vector": ("pack", "unpack"),
@@ -89,16 +92,91 @@ _MODULE = {name: module for module, names in _HOME.items() for name in names}
 _FOLDER = {"datasets": "data.datasets"}
 
 __version__ = "0.1.0"
-__all__ = [*_MODULE, *_FOLDER, "__version__"]
+# written out, because type checkers run nothing: what is not listed here they take for private
+__all__ = [
+    "CATALOGUE",
+    "PARAMETERS",
+    "BatchResult",
+    "Beam",
+    "Candidate",
+    "Choice",
+    "CompressionFit",
+    "Diagnosis",
+    "Discretization",
+    "EcmError",
+    "Effect",
+    "Effects",
+    "ElementStudy",
+    "Equilibrium",
+    "Estimate",
+    "FiniteElementModel",
+    "ForwardPolynomial",
+    "Gravity",
+    "Head",
+    "Identification",
+    "InputError",
+    "LoadSet",
+    "Measurements",
+    "Mechanism",
+    "NotConverged",
+    "OutOfRangeWarning",
+    "OutOfReach",
+    "PathState",
+    "Plan",
+    "PolynomialModel",
+    "Posterior",
+    "Prediction",
+    "Profile",
+    "Quantity",
+    "Score",
+    "Status",
+    "Stepper",
+    "Study",
+    "Sweep",
+    "SweepSpec",
+    "Tendons",
+    "TrainingSet",
+    "Truth",
+    "Warmup",
+    "WrenchErrors",
+    "__version__",
+    "also",
+    "choose_discretization",
+    "datasets",
+    "diagnose",
+    "effect",
+    "fit_compression",
+    "fit_shear",
+    "hide",
+    "identify",
+    "pack",
+    "plan",
+    "posterior",
+    "predict",
+    "read_measurements",
+    "read_spec",
+    "relative_errors",
+    "remove_effect",
+    "score",
+    "study_elements",
+    "sweep",
+    "tip_wrenches",
+    "training_poses",
+    "training_rows",
+    "unpack",
+    "warmup",
+]
 
 
-def __getattr__(name: str) -> Any:
-    """Load a public name on first use: the command line's help must not wait for the compiler."""
-    if name in _FOLDER:
-        return import_module(f".{_FOLDER[name]}", __name__)
-    if name not in _MODULE:
-        raise AttributeError(f"module 'ecm_fast' has no attribute {name!r}")
-    return getattr(import_module(f".{_MODULE[name]}", __name__), name)
+if not TYPE_CHECKING:  # a type checker would take any name for public
+
+    def __getattr__(name: str) -> object:
+        """Load a public name on first use: the command line's help must not wait for the compiler."""
+        if name in _FOLDER:
+            return import_module(f".{_FOLDER[name]}", __name__)
+        if name not in _MODULE:
+            raise AttributeError(f"module 'ecm_fast' has no attribute {name!r}")
+        return getattr(import_module(f".{_MODULE[name]}", __name__), name)
 
 
 def __dir__() -> list[str]:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 __all__ = [
     "add_model",
     "add_noise",
+    "add_path",
     "count",
     "discretization",
     "finite_number",
@@ -179,6 +180,16 @@ def add_model(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mechanism", metavar="F", help="mechanism file (TOML); default: the preset 'slender'")
     parser.add_argument("--elements", metavar="N", type=count, help="number of equal elements; default: one")
     parser.add_argument("--order", metavar="P", type=count, help="of their shape functions; default: the model's")
+
+
+def add_path(parser: argparse.ArgumentParser) -> None:
+    """Let a command that knows no order of loads leave out what depends on one."""
+    parser.add_argument(
+        "--path",
+        choices=("ignore",),
+        help="'ignore' leaves out effects of the path (friction, hysteresis, memory, creep, drift), which depend on "
+        "the loads before; else a mechanism that has them is refused. 'predict' takes them in the order of its rows",
+    )
 
 
 def discretization(args: argparse.Namespace) -> dict[str, Any]:

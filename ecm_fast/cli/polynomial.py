@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ._arguments import add_model, count, discretization, finite_number, mechanism
+from ._arguments import add_model, add_path, count, discretization, finite_number, mechanism
 from ._command import IN_OUT, Answer, Command, folder, saved
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ def _add_fit_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=count, default=0, metavar="S", help="for these wrenches; default 0")
     add_model(parser)
+    add_path(parser)
 
 
 def _fit(args: argparse.Namespace) -> Answer:
@@ -42,10 +43,10 @@ def _fit(args: argparse.Namespace) -> Answer:
     model = FiniteElementModel(mechanism(args), **discretization(args))
     known = TrainingSet.empty()
     if args.data is not None:
-        known += training_rows(model, read_measurements(args.data))
+        known += training_rows(model, read_measurements(args.data), path=args.path)
     poses = args.poses if args.poses is not None or args.data is not None else _POSES
     if poses is not None:
-        known += training_poses(model, poses, args.seed)
+        known += training_poses(model, poses, args.seed, path=args.path)
     poly = PolynomialModel.fit(known.poses, known.wrenches, args.degree, args.conservative)
     path = poly.to_json(folder(args.out or "out") / "polynomial.json")
     answer = {
@@ -81,6 +82,7 @@ def _add_eval_arguments(parser: argparse.ArgumentParser) -> None:
         "--pose", nargs=3, type=finite_number, metavar=("X", "Z", "THETA"), help="one pose instead [m, m, rad]"
     )
     parser.add_argument("--mechanism", metavar="F", help="compare with the wrench of DATA's loads on this mechanism")
+    add_path(parser)
 
 
 def _eval(args: argparse.Namespace) -> Answer:
@@ -114,7 +116,7 @@ def _eval_data(args: argparse.Namespace, poly: "PolynomialModel") -> tuple[dict[
     columns = _by_column((*poly.inputs, *poly.outputs), [*data.pose.T, *poly.wrench(data.pose).T])
     rms = None
     if args.mechanism is not None:
-        observed = measured_wrenches(FiniteElementModel(mechanism(args)), data)
+        observed = measured_wrenches(FiniteElementModel(mechanism(args)), data, path=args.path)
         for name, values in _by_column(poly.outputs, observed.T).items():
             columns[name.replace("_", "_measured_")] = values
         rms = _by_column(poly.outputs, WrenchErrors(observed, poly.wrench(data.pose)).rms)

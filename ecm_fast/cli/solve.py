@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ._arguments import add_model, discretization, finite_number, mechanism, tension
+from ._arguments import add_model, add_path, discretization, finite_number, mechanism, tension
 from ._command import DONE, NOT_CONVERGED, Answer, Command, saved
 
 __all__ = ["COMMAND"]
@@ -24,13 +24,14 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         help="dead wrench at Q, the middle of the head plate [N, N, N m]; default none",
     )
     add_model(parser)
+    add_path(parser)
 
 
 def _run(args: argparse.Namespace) -> Answer:
     from ..models.finite_element import FiniteElementModel
 
     model = FiniteElementModel(mechanism(args), **discretization(args))
-    eq = model.solve(args.tendons, wrench=args.wrench)
+    eq = model.solve(args.tendons, args.wrench, path=args.path)
     answer = {
         **{name: getattr(eq, name) for name in ("x", "z", "theta", "converged", "stable", "iterations")},
         **{name: getattr(eq, name) for name in ("jacobian", "compliance", "message", "load_factor")},

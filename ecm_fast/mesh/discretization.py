@@ -61,6 +61,9 @@ class Discretization:
             raise InputError(f"gauss = {gauss}: fewer points than the order, {order}, leave the element loose")
         return _kept(shares, order, gauss, kind.name)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _kept, (self.shares, self.order, self.gauss, self.family)  # its tables are made anew, or shared
+
     @property
     def n_elements(self) -> int:
         """How many elements there are."""

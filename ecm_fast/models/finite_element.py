@@ -1,8 +1,10 @@
 """The finite element model of a mechanism."""
 
+import threading
 from collections.abc import Sequence
+from copy import copy
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,13 +19,15 @@ from ..mesh.discretization import Discretization
 from ..mesh.families import find_family
 from .batch import fast_path, solve_cases
 from .equilibrium import BatchResult, Equilibrium, Status
+from .instruments.history import path_effects
 from .inverse import Inverse
 from .loads import last_step, many_loads, one_load, parameter_rows
+from .path_state import PathChoice, PathState, check_order
 from .paths.chain import Chain
 from .paths.condensed import Condensation
-from .paths.general import Step, robust_stepper
 from .refinement import Nodes, finer, jumps, stands, work_arrays
 from .sensitivity import Sensitivities, sensitivities
+from .stepper import Stepper
 
 __all__ = ["FiniteElementModel"]
 
@@ -59,7 +63,12 @@ class FiniteElementModel:
 
     Families other than Lagrange's are for studies: they go the general path throughout.
 
-    A model is immutable in use but owns work arrays: each thread needs its own.
+    A model may be used by several threads at once, copied, pickled and sent to other processes, which make what they
+    need from the mechanism and the discretization.
+
+    Poses that depend on the order of loads (effects of the path: friction, hysteresis, memory, creep, Mullins, drift)
+    are those of `stepper` and of `predict`. The other methods refuse such a mechanism unless their argument `path`
+    is ``"ignore"``, which leaves these effects out, or the state of a stepper, at which they are held.
 
     Examples
     --------
@@ -85,12 +94,25 @@ class FiniteElementModel:
         if order is None:
             order = min(_order(accuracy), find_family(family).highest_order)
         self.discretization = Discretization.of(1 if elements is None else elements, order, gauss, family)
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """Make what follows from the mechanism and the discretization."""
         self._par = pack(self.mechanism)
+        self._path_effects = path_effects(self._par)
         self._system = work_arrays(self.discretization)
         self._finer: dict[Discretization, FiniteElementModel] = {}
         stations, tip, q_rest, _, _ = self._system
         self._inverse: tuple[tuple[float, ...], Inverse] | None = None
+        self._lock = threading.Lock()
         prepare(self._par, self.discretization.mesh, self.discretization.nodes, stations, tip, q_rest)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if not name.startswith("_")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._prepare()
 
     @cached_property
     def _condensed(self) -> Condensation | Chain | None:
@@ -108,18 +130,39 @@ class FiniteElementModel:
         """Constants of the head plate as the kernels take them, (N_TIP,), see `kernels.layout`; a copy."""
         return self._system[1].copy()
 
-    def solve(self, lam: ArrayLike = (0.0, 0.0), wrench: ArrayLike = (0.0, 0.0, 0.0)) -> Equilibrium:
+    def at_state(self, path: PathChoice, what: str) -> "FiniteElementModel":
+        """Return the model that `what`, which knows no order of loads, may solve: with `path`, see `solve`.
+
+        Raises
+        ------
+        InputError : there are effects of the path, and `path` is None; names them, and `what`.
+        """
+        check_order(self._path_effects, path, what)
+        if not isinstance(path, PathState):
+            return self
+        held = copy(self)
+        held.__setstate__({"mechanism": path.hold(self.mechanism)})
+        return held
+
+    def solve(
+        self, lam: ArrayLike = (0.0, 0.0), wrench: ArrayLike = (0.0, 0.0, 0.0), *, path: PathChoice = None
+    ) -> Equilibrium:
         """Return the equilibrium on the stable branch that grows from the unloaded state.
 
         Parameters
         ----------
         lam : (2,) tendon forces left, right, >= 0 [N]
         wrench : (3,) dead wrench at Q in world axes: fx, fz [N], tau [N m]
+        path : ``"ignore"`` or `Stepper.state`, where poses depend on the order of loads
 
         Raises
         ------
-        InputError : a shape is wrong, or a number is not finite or negative where it may not be.
+        InputError : a shape is wrong, a number is not finite or negative where it may not be, or the mechanism has
+            effects of the path and `path` is not given.
         """
+        model = self.at_state(path, "solve")
+        if model is not self:
+            return model.solve(lam, wrench, path="ignore")
         loads = one_load(lam, wrench)
         bad = ~np.isfinite(loads)
         if bad.any():
@@ -146,8 +189,9 @@ class FiniteElementModel:
 
     def _solve(self, loads: Array, accuracy: float | None) -> Equilibrium:
         """Solve one load case on the model's own discretization."""
-        stations, tip, q_rest, q, work = self._system
-        out = np.empty(N_OUT)
+        stations, tip, q_rest = self._system[:3]
+        # of this call alone: other threads may be solving
+        q, work, out = np.empty_like(self._system[3]), np.zeros_like(self._system[4]), np.empty(N_OUT)
         status = Status(solve(self.discretization.tables, stations, tip, q_rest, loads, q, work, out))
         if not status.converged:
             out[[O_X, O_Z, O_THETA]] = np.nan
@@ -161,7 +205,7 @@ class FiniteElementModel:
             load_factor=float(out[O_FACTOR]),
             discretization=self.discretization,
             accuracy=accuracy,
-            solution=Nodes(self.discretization, self._par, loads, q.copy()),
+            solution=Nodes(self.discretization, self._par, loads, q),
         )
 
     def solve_batch(
@@ -173,6 +217,7 @@ class FiniteElementModel:
         tolerance: float = 1e-9,
         threads: int = 1,
         out: BatchResult | None = None,
+        path: PathChoice = None,
     ) -> BatchResult:
         """Solve many cases, each as `solve` does; a case that fails has its status and a pose of nan.
 
@@ -185,17 +230,22 @@ class FiniteElementModel:
         threads : how many threads share the cases
         out : the result of as many other cases, overwritten and returned: batch after batch, fresh memory costs a
             third of the solving
+        path : as for `solve`; with `parameters` None or ``"ignore"``
 
         Raises
         ------
-        InputError : a shape is wrong, or a tendon force is negative; names the row.
+        InputError : a shape is wrong, a tendon force is negative (names the row), or there are effects of the path and
+            `path` is not given.
         """
+        if parameters is None and (model := self.at_state(path, "solve_batch")) is not self:
+            return model.solve_batch(lam, wrench, tolerance=tolerance, threads=threads, out=out)
         tensions, dead = many_loads(lam, wrench)
         last2, mesh = last_step(tolerance), self.discretization
         if out is not None and len(out) != len(tensions):
             raise InputError(f"out has {len(out)} cases: allowed is {len(tensions)}, as many as there are loads")
         if parameters is not None:
             par = parameter_rows(parameters, len(tensions))
+            _check_rows(par, path, "solve_batch")
             return solve_cases(mesh, None, par, tensions, dead, last2, threads, out)
         return solve_cases(mesh, self._condensed, self._par[None], tensions, dead, last2, threads, out)
 
@@ -207,6 +257,7 @@ class FiniteElementModel:
         *,
         parameters: ArrayLike | None = None,
         tolerance: float = 1e-9,
+        path: PathChoice = None,
     ) -> Sensitivities:
         """Solve many cases, and differentiate their poses by loads and by any parameters of the mechanism.
 
@@ -215,14 +266,19 @@ class FiniteElementModel:
         Parameters
         ----------
         names : of the parameters, e.g. ``["EA", "precurvature"]``; none is allowed
-        lam, wrench, parameters, tolerance : as for `solve_batch`
+        lam, wrench, parameters, tolerance, path : as for `solve_batch`
 
         Raises
         ------
         InputError : no such parameter, or as `solve_batch` does.
         """
+        if parameters is None and (model := self.at_state(path, "sensitivities")) is not self:
+            return model.sensitivities(names, lam, wrench, tolerance=tolerance)
         tensions, dead = many_loads(lam, wrench)
-        par = self._par[None] if parameters is None else parameter_rows(parameters, len(tensions))
+        par = self._par[None]
+        if parameters is not None:
+            par = parameter_rows(parameters, len(tensions))
+            _check_rows(par, path, "sensitivities")
         return sensitivities(self.discretization, names, par, tensions, dead, last_step(tolerance))
 
     def inverse(
@@ -234,6 +290,7 @@ class FiniteElementModel:
         co_contraction: float | None = None,
         wrench: ArrayLike = (0.0, 0.0, 0.0),
         lam_max: float = 160.0,
+        path: PathChoice = None,
     ) -> Array:
         """Return the tendon forces (2,) [N] that meet two wishes.
 
@@ -243,23 +300,30 @@ class FiniteElementModel:
         co_contraction : mean of both tendon forces [N]
         wrench : (3,) dead wrench at Q [N, N, N m]
         lam_max : largest allowed tendon force [N]; the smallest is 0
+        path : as for `solve`
 
         Raises
         ------
         OutOfReach : no allowed forces meet both; the text gives the nearest that can be had and its forces.
-        InputError : not two wishes, or a number that is not finite.
+        InputError : not two wishes, a number that is not finite, or effects of the path without `path`.
         """
+        model = self.at_state(path, "inverse")
+        if model is not self:
+            return model.inverse(
+                theta=theta, x=x, z=z, co_contraction=co_contraction, wrench=wrench, lam_max=lam_max, path="ignore"
+            )
         if not 0.0 < real("lam_max", lam_max) < np.inf:
             raise InputError(f"lam_max = {shown(lam_max)}: allowed is a positive number")
         loads = one_load(np.zeros(2), wrench)
         key = (*loads.tolist(), float(lam_max))
-        if self._inverse is None or self._inverse[0] != key:
-            side = np.linspace(0.0, lam_max, 9)
-            grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
-            poses = self.solve_batch(grid, wrench).pose
-            step = self.stepper(wrench, tolerance=1e-12, derivatives=True)
-            self._inverse = key, Inverse(step, grid, poses, self.mechanism.beam.length, lam_max)
-        return self._inverse[1](theta=theta, x=x, z=z, co_contraction=co_contraction)
+        with self._lock:  # the control step is one for all threads
+            if self._inverse is None or self._inverse[0] != key:
+                side = np.linspace(0.0, lam_max, 9)
+                grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+                poses = self.solve_batch(grid, wrench, path="ignore").pose
+                step = self.stepper(wrench, tolerance=1e-12, derivatives=True, path="ignore")
+                self._inverse = key, Inverse(step, grid, poses, self.mechanism.beam.length, lam_max)
+            return self._inverse[1](theta=theta, x=x, z=z, co_contraction=co_contraction)
 
     def stepper(
         self,
@@ -268,12 +332,13 @@ class FiniteElementModel:
         tolerance: float = 1e-9,
         derivatives: bool = False,
         lam_max: float = 0.0,
-    ) -> Step:
+        path: PathChoice = None,
+    ) -> Stepper:
         """Return ``step(lam_l, lam_r) -> x, z, theta, status`` for a control loop.
 
         Each call starts from the equilibria of the calls before, takes a bounded number of Newton steps, allocates
-        nothing, releases the interpreter's lock and never raises for a number. ``status`` is a value of `Status`: 0 is
-        a stable equilibrium; where there is none, the pose is nan. Each thread needs a stepper of its own.
+        nothing and never raises for a number. ``status`` is a value of `Status`: 0 is a stable equilibrium, and no
+        other pose may be used; see `Stepper`. Where the mechanism has effects of the path, calls follow it.
 
         Parameters
         ----------
@@ -283,15 +348,13 @@ class FiniteElementModel:
             ``step.compliance``, (3, 3), pose by wrench, exact to the square root of the tolerance
         lam_max : above 0, a call depends on nothing but its arguments: within ``[0, lam_max]`` N it starts from a
             polynomial fitted now, and takes one or two Newton steps whatever the call before was; beyond, and where
-            none can be fitted, from the straight neck
+            none can be fitted, from the straight neck. With effects of the path each call starts there
+        path : ``"ignore"`` leaves effects of the path out, `Stepper.state` holds them; default: each call is the next
+            row of a path
         """
-        loads, last2 = one_load(np.zeros(2), wrench), last_step(tolerance)
-        if not 0.0 <= real("lam_max", lam_max) < np.inf:
-            raise InputError(f"lam_max = {shown(lam_max)}: allowed is a finite number, 0 or more")
-        stations, tip, q_rest, _, _ = self._system
-        if self._condensed is not None:
-            return self._condensed.stepper((stations, tip, q_rest), loads, last2, derivatives, lam_max)
-        return robust_stepper(self.discretization, (stations, tip, q_rest), loads, lam_max > 0.0)
+        settings: dict[str, Any] = {"tolerance": tolerance, "derivatives": derivatives}
+        settings |= {"lam_max": lam_max, "path": path}
+        return Stepper(self.mechanism, self.discretization, wrench, **settings)
 
     def __repr__(self) -> str:
         mesh = self.discretization
@@ -308,3 +371,10 @@ def _order(accuracy: float) -> int:
             return order
     least = min(ERRORS.values())
     raise InputError(f"accuracy = {shown(accuracy)}: allowed is a number from {least:g} up; below, give more elements")
+
+
+def _check_rows(par: Array, path: PathChoice, what: str) -> None:
+    """Raise where mechanisms that have a vector each, (n, n_parameters), need an order of loads."""
+    if isinstance(path, PathState):
+        raise InputError('path with parameters: allowed is None or "ignore"; one state does not fit many mechanisms')
+    check_order(path_effects(par), path, what)

@@ -1,13 +1,12 @@
 """Tendon forces for a wanted pose: two of tip position, tip angle and co-contraction."""
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, OutOfReach, real, shown
-from .paths.general import Step
+from .stepper import Stepper
 
 __all__ = ["WISHES", "Inverse"]
 
@@ -32,10 +31,8 @@ class Inverse:
     length : of the beam [m], the scale of positions
     """
 
-    def __init__(self, step: Step, grid: Array, poses: Array, length: float, lam_max: float) -> None:
-        self._step: Callable[[float, float], tuple[float, float, float, int]] = step
-        attributes: Any = step
-        self._jacobian: Array = attributes.jacobian
+    def __init__(self, step: Stepper, grid: Array, poses: Array, length: float, lam_max: float) -> None:
+        self._step, self._jacobian = step, step.jacobian
         self._grid, self._lam_max = grid, lam_max
         self._scale = length, length, 1.0, lam_max
         self._starts: Array = np.column_stack([poses, grid.mean(axis=1)]) / self._scale

@@ -104,6 +104,8 @@ def plot_shape(model: FiniteElementModel, equilibria: Equilibrium | Sequence[Equ
 def plot_workspace(model: FiniteElementModel, n: int = 1000, rng: int | np.random.Generator = 0) -> Figure:
     """Draw where the tip can go, the paper's Fig. 4: tip poses for random tendon forces 0..160 N, with a close-up.
 
+    Effects of the path are left out.
+
     Parameters
     ----------
     model : of the neck
@@ -114,13 +116,13 @@ def plot_workspace(model: FiniteElementModel, n: int = 1000, rng: int | np.rando
     ------
     InputError : matplotlib is missing.
     """
-    pose = model.solve_batch(random_tendon_forces(n, rng)).pose
+    pose = model.solve_batch(random_tendon_forces(n, rng), path="ignore").pose
     x, z, theta = (pose * [_MM, _MM, _DEG]).T
     with canvas(7.2, 3.4) as figure:
         whole, close = figure.subplots(1, 2, width_ratios=(1.0, 1.35))
         _plane(whole)
         _draw_base(whole, model)
-        _draw_neck(whole, model, model.solve(), FAINT)
+        _draw_neck(whole, model, model.solve(path="ignore"), FAINT)
         # a thousand vector circles would weigh more than the rest of a report
         whole.plot(z, x, ".", color=COLORS[0], markersize=1.5, rasterized=True, label="tip poses")
         _mirror(whole)

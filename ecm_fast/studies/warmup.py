@@ -89,6 +89,7 @@ def _touches(orders: tuple[int, ...], degrees: tuple[int, ...], families: tuple[
     yield "directions of tendons", lambda: tendon_directions(FiniteElementModel(neck).tip, 0.1, 0.01, -0.2, 1.0)
     for degree in degrees:
         yield from _for_degree(degree)
+    yield "control step along a path", lambda: _along_a_path(neck)
     yield "statistics of a sweep", _statistics
 
 
@@ -102,6 +103,12 @@ def _for_mesh(what: str, model: FiniteElementModel) -> Iterator[Touch]:
     yield f"{what}: batch that the robust solver takes", lambda: model.solve_batch([[500.0, 480.0]])
     yield f"{what}: batch over mechanisms", lambda: model.solve_batch(_LAM, parameters=par)
     yield f"{what}: sensitivities", lambda: model.sensitivities(["EA", "length"], _LAM)
+
+
+def _along_a_path(neck: Mechanism) -> object:
+    step = FiniteElementModel(neck.replace(creep=0.01)).stepper()
+    step(40.0, 10.0)
+    return step.state.hold(neck)
 
 
 def _statistics() -> object:

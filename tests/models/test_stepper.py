@@ -285,4 +285,3 @@ def test_steppers_of_one_model_do_not_disturb_each_other():
         right(100.0, 3.0)
         between.append(left(*lam))
     assert between == alone
-    assert left.memory is not right.memory

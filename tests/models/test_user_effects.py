@@ -60,7 +60,7 @@ def test_a_section_law_is_its_twin_of_the_catalogue(add):
 def test_a_head_law_is_its_twin_of_the_catalogue(add):
     """The catalogue: a rotational spring, and a stop with a further parameter, by solver and control step."""
     add("own_spring", enters="head", typical=0.2)(spring)
-    add("own_stop", ecm.effects.also("angle", "rad", "where it begins", 0.2, (0.0, 1.0), 0.1), enters="head")(stop)
+    add("own_stop", ecm.also("angle", "rad", "where it begins", 0.2, (0.0, 1.0), 0.1), enters="head")(stop)
     assert np.abs(poses(own_spring=0.4) - poses(rotational_spring=0.4)).max() < 1e-12
     twin = {"contact_stop_one_sided.stiffness": 5.0, "contact_stop_one_sided.angle": 0.1}
     assert np.abs(poses(**{"own_stop.size": 0.05, "own_stop.angle": 0.1}) - poses()).max() > 1e-6

@@ -37,7 +37,10 @@ from ..layout import (
 from .formulation import constants_size, state_size
 from .initial_guess import N_GUESS
 
-__all__ = ["memory_size", "pieces", "rescue", "unfold"]
+__all__ = ["CONSTANT", "memory_size", "pieces", "rescue", "unfold"]
+
+# parts of the memory that no step changes
+CONSTANT = ("settings", "con", "coefficients", "tables", "stations", "tip", "q_rest")
 
 
 def pieces(order: int) -> dict[str, tuple[int, tuple[int, ...]]]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .._jit import array_at, by_first_type, kernel, step_kernel, wide
+from .._jit import array_at, by_first_type, call_kernel, kernel, step_kernel, wide
 from ..layout import CONVERGED, LANES, NOT_CONVERGED, R_EXTREME, R_LAM_L, R_LAM_R, R_THETA, R_X, R_Z
 from ..prepare import prepare
 from ..unroll import at_each_point, function
@@ -233,11 +233,12 @@ _parts = by_first_type(lambda points: _parts_of(len(points)), forceinline=True)
 def control_step(order: int) -> Any:
     """Return the control step of an order, a kernel.
 
-    It takes an address and two forces: `points` would be unpacked at each call, which costs a tenth of a step.
+    It takes an address and two forces: `points` would be unpacked at each call, which costs a tenth of a step. It
+    keeps the interpreter's lock, so that calls from several threads follow one another.
     """
     points, size = gauss_points(order), memory_size(order)
 
-    @kernel
+    @call_kernel
     def advance(address, lam_l, lam_r):
         """Take a control step: to new tendon forces, from where the memory at `address` stands; see `control_step`.
 

@@ -1,5 +1,8 @@
 """The chain path: models with many elements, or with one that the condensed path does not take."""
 
+import threading
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -8,7 +11,7 @@ from ...kernels.chain.constants import condense_chain, constants_size
 from ...kernels.layout import CONVERGED, H_SIZE, INVALID_INPUT, N_LOADS
 from ...mesh.discretization import Discretization
 from .condensed import STRETCH, Columns, Guess
-from .general import Step, System, robust_stepper
+from .general import StepCore, System, robust_stepper
 
 __all__ = ["Chain"]
 
@@ -48,18 +51,22 @@ class Chain:
         """Return None: a chain always starts straight."""
         return None
 
-    def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> Step:
+    def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> StepCore:
         """Return the control step; with derivatives it is the robust solver's, which has them."""
-        robust = robust_stepper(self.mesh, system, loads, lam_max > 0.0)
+        robust = robust_stepper(self.mesh, system, loads, lam_max != 0.0)
         if derivatives:
             return robust
         con, state = self.con, self.new_state()
         state[:N_LOADS] = loads
+        lock = threading.Lock()
 
         def step(lam_l: float, lam_r: float) -> tuple[float, float, float, int]:
-            if lam_max > 0.0:
-                state[H_SIZE] = np.inf  # nothing to follow
-            result: tuple[float, float, float, int] = chain.follow_chain(con, state, last2, float(lam_l), float(lam_r))
-            return result if result[3] in (CONVERGED, INVALID_INPUT) else robust(lam_l, lam_r)
+            with lock:
+                if lam_max != 0.0:
+                    state[H_SIZE] = np.inf  # nothing to follow
+                found: tuple[float, float, float, int] = chain.follow_chain(
+                    con, state, last2, float(lam_l), float(lam_r)
+                )
+            return found if found[3] in (CONVERGED, INVALID_INPUT) else robust.call(lam_l, lam_r)
 
-        return step
+        return replace(robust, call=step, kept=(state, *robust.kept))

@@ -13,7 +13,7 @@ from ...kernels.condensed import step as kernels
 from ...kernels.condensed.axial_law import stretch_polynomials
 from ...kernels.layout import CONVERGED, L_FX, L_GRAVITY, LANES, N_STATION, N_TIP, NOT_CONVERGED, R_FX, R_FZ, R_TAU
 from ...mesh.discretization import Discretization
-from .general import Step, System
+from .general import StepCore, System
 
 __all__ = ["Columns", "Condensation", "Guess", "columns", "solve_mechanisms", "solve_nodes"]
 
@@ -82,10 +82,11 @@ class Condensation:
             return None
         return np.ascontiguousarray(coefficients.T), lam_max
 
-    def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> Step:
-        """Return the compiled control step, see `kernels.stepper`; its arrays are attributes of the function.
+    def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> StepCore:
+        """Return the compiled control step, see `kernels.condensed.control_step`.
 
         system : stations, tip, q_rest of the finite element model, for the robust solver
+        lam_max : below 0: each step starts from the straight beam
         """
         order = self.mesh.order
         memory = np.zeros(stepper.memory_size(order))
@@ -102,12 +103,12 @@ class Condensation:
             parts["coefficients"][:] = guess[0]
         # without a fit each step starts straight: it must still depend on nothing but its arguments
         parts["settings"][:] = last2, derivatives, -1.0 if guess is None and lam_max > 0.0 else lam_max
+        places = {name: first for name, (first, _) in stepper.pieces(order).items()}
+        kept = tuple(part for name, part in parts.items() if name not in stepper.CONSTANT)
         step: Any = functools.partial(compiled_step(order), memory.ctypes.data)
         # the address is all that the compiled step knows of: the function must keep the memory alive
         step.memory = memory
-        step.jacobian, step.compliance = parts["jacobian"], parts["compliance"]
-        result: Step = step
-        return result
+        return StepCore(step, kept, parts["jacobian"], parts["compliance"], (memory, places))
 
 
 @functools.cache

@@ -45,6 +45,9 @@ class Polynomial:
                     coefficients[v, below[lower]] = powers[v] * term
         return cls(center, coefficients)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.center, self.coefficients)  # without the kernels that it has found
+
     @cached_property
     def degree(self) -> int:
         """The highest sum of exponents."""

@@ -16,6 +16,7 @@ from ...errors import InputError, NotConverged
 from ...kernels.general.tip import tip_wrench
 from ...kernels.layout import L_FX, L_GRAVITY, N_LOADS, T_JOINT
 from ..finite_element import FiniteElementModel
+from ..path_state import PathChoice
 from .model import PolynomialModel
 
 __all__ = [
@@ -74,6 +75,8 @@ def training_poses(
     n: int,
     seed: int | np.random.Generator,
     box: tuple[ArrayLike, ArrayLike] | None = None,
+    *,
+    path: PathChoice = None,
 ) -> TrainingSet:
     """Return `n` poses of a model under random dead wrenches; what is not a stable equilibrium is dropped and redrawn.
 
@@ -81,6 +84,7 @@ def training_poses(
     ----------
     seed : for the wrenches, or their generator
     box : (3,) least and (3,) largest wrench [N, N, N m], between which they are evenly spread; default the paper's
+    path : see `FiniteElementModel.solve`
 
     Raises
     ------
@@ -89,10 +93,11 @@ def training_poses(
     if n < 1:
         raise InputError(f"n = {n}: allowed is a whole number >= 1")
     lower, upper = _box(WRENCH_BOX if box is None else box)
+    model = model.at_state(path, "training_poses")
     rng, kept = np.random.default_rng(seed), TrainingSet.empty()
     while len(kept) < n:
         wrenches = rng.uniform(lower, upper, (n - len(kept), 3))
-        result = model.solve_batch(np.zeros((len(wrenches), 2)), wrenches)
+        result = model.solve_batch(np.zeros((len(wrenches), 2)), wrenches, path="ignore")
         stable = result.stable
         kept += TrainingSet(result.pose[stable], wrenches[stable], int(np.sum(~stable)))
         if kept.dropped > _DRAWS_PER_POSE * n:
@@ -101,34 +106,39 @@ def training_poses(
     return kept
 
 
-def training_rows(model: FiniteElementModel, data: Measurements) -> TrainingSet:
+def training_rows(model: FiniteElementModel, data: Measurements, *, path: PathChoice = None) -> TrainingSet:
     """Return the measured poses of `data` with the wrench of tendons and dead loads there, see `measured_wrenches`.
 
     Raises
     ------
-    InputError : no row is left.
+    InputError : no row is left, or the tendons' forces depend on the path and `path` is not given.
     """
-    wrenches = measured_wrenches(model, data)
+    wrenches = measured_wrenches(model, data, path=path)
     known = np.isfinite(wrenches).all(axis=1)
     if not known.any():
         raise InputError(f"{data.source}: none of {data.n} rows has a whole pose, without extra mass and tilt")
     return TrainingSet(data.pose[known], wrenches[known], int(np.sum(~known)))
 
 
-def measured_wrenches(model: FiniteElementModel, data: Measurements) -> Array:
+def measured_wrenches(model: FiniteElementModel, data: Measurements, *, path: PathChoice = None) -> Array:
     """Return the wrench of tendons and dead loads at the measured poses of `data`, (n, 3) [N, N, N m].
 
     It is nan in rows without a whole pose, where a pulling tendon has no direction, and in rows with an extra mass or
-    a tilt: these change what acts always.
+    a tilt: these change what acts always. path : see `FiniteElementModel.solve`
     """
-    wrenches = tip_wrenches(model, data.pose, data.lam, data.wrench)
+    wrenches = tip_wrenches(model, data.pose, data.lam, data.wrench, path=path)
     unknown = ~data.measured.all(axis=1) | (data.extra_mass != 0.0) | (data.tilt != 0.0)
     wrenches[unknown | ~np.isfinite(wrenches).all(axis=1)] = np.nan
     return wrenches
 
 
 def tip_wrenches(
-    model: FiniteElementModel, poses: ArrayLike, lam: ArrayLike, wrenches: ArrayLike | None = None
+    model: FiniteElementModel,
+    poses: ArrayLike,
+    lam: ArrayLike,
+    wrenches: ArrayLike | None = None,
+    *,
+    path: PathChoice = None,
 ) -> Array:
     """Return what tendons and dead wrenches together do at Q at the poses, P(q) lambda (40) + wrench.
 
@@ -138,12 +148,13 @@ def tip_wrenches(
     poses : (n, 3) x, z, theta [m, m, rad]
     lam : (n, 2) tendon forces [N]
     wrenches : (n, 3) dead wrenches [N, N, N m]; default none
+    path : see `FiniteElementModel.solve`
 
     Returns
     -------
     (n, 3) fx, fz, tau [N, N, N m]; nan where a pulling tendon's attachment lies inside its pulley.
     """
-    tip, K = model.tip, np.empty(6)
+    tip, K = model.at_state(path, "tip_wrenches").tip, np.empty(6)
     tip[T_JOINT] = 0.0  # the poses are the head's
     places, tensions = np.atleast_2d(np.asarray(poses, dtype=np.float64)), np.atleast_2d(lam)
     loads, acting = np.zeros((len(places), N_LOADS)), np.empty((len(places), 3))

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from ...data.measurements import Measurements
 from ...errors import InputError, shown
 from ...mechanism.mechanism import Mechanism
+from ...mechanism.vector import pack
 from ...models.equilibrium import Equilibrium, Status
 from ...models.finite_element import FiniteElementModel
+from ...models.instruments.history import path_effects
 from ...models.polynomial.model import ForwardPolynomial
 from .controls import LAM_MAX, LOADS, checked, controls
 from .drawing import outline, rounded
@@ -87,14 +89,14 @@ class Scene:
         if "wish" in request:
             lam = self._towards(_place(request["wish"]), lam, wrench)
         before = time.perf_counter()
-        eq = self._model.solve(lam, wrench)
+        eq = self._model.solve(lam, wrench, path="ignore")
         seconds = time.perf_counter() - before
         frame = {
             "id": request["id"],
             "lam": rounded(lam),
             "status": eq.status.name.lower(),
             "stable": eq.stable,
-            "message": eq.message,
+            "message": eq.message + self._left_out,
             "solve_us": 1e6 * seconds,
             "step_us": self._step_us(lam),
             **self._picture(eq, lam),
@@ -111,9 +113,11 @@ class Scene:
         if changes != self._changes:
             self._neck = self.mechanism.replace(**changes)
             self._model = FiniteElementModel(self._neck)
-        many = self._model.solve_batch(_GRID, wrench)
+            absent = path_effects(pack(self._neck))
+            self._left_out = f"; a page has no order of loads, and leaves out {', '.join(absent)}" if absent else ""
+        many = self._model.solve_batch(_GRID, wrench, path="ignore")
         self._workspace = many.pose[many.stable, :2]
-        self._step: Any = self._model.stepper(wrench, derivatives=True)
+        self._step = self._model.stepper(wrench, derivatives=True, path="ignore")
         self._poly = None
         if many.stable.sum() >= _SIDE:
             self._poly = ForwardPolynomial.fit(_GRID[many.stable], many.pose[many.stable]).stepper()

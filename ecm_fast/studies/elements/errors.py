@@ -77,8 +77,10 @@ class LoadSet:
         return replace(self, lam=self.lam[which], wrench=self.wrench[which])
 
     def solve(self, model: FiniteElementModel) -> BatchResult:
-        """Solve all cases as exactly as Newton's method can, on all cores."""
-        return model.solve_batch(self.lam, self.wrench, tolerance=_TOLERANCE, threads=os.cpu_count() or 1)
+        """Solve all cases as exactly as Newton's method can, on all cores; effects of the path are left out."""
+        return model.solve_batch(
+            self.lam, self.wrench, tolerance=_TOLERANCE, threads=os.cpu_count() or 1, path="ignore"
+        )
 
     def __len__(self) -> int:
         return len(self.lam)

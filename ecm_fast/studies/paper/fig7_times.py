@@ -174,11 +174,11 @@ class _Cases:
     def of(cls, neck: Mechanism, poses: int, seed: int, batch: int) -> "_Cases":
         rng, model = np.random.default_rng(seed), FiniteElementModel(neck)
         lam = random_tendon_forces(poses, rng)
-        result = model.solve_batch(lam)
+        result = model.solve_batch(lam, path="ignore")
         if not result.stable.all():
             row = int(np.argmin(result.stable))
             raise InputError(f"tendon forces {lam[row, 0]:.4g} and {lam[row, 1]:.4g} N: no stable pose of this neck")
-        known = training_poses(model, _TRAINING, rng)
+        known = training_poses(model, _TRAINING, rng, path="ignore")
         poly = PolynomialModel.fit(known.poses, known.wrenches)
         return cls(lam, result.pose, poly, rng.integers(poses, size=(poses, batch)))
 
@@ -193,9 +193,9 @@ def _ways(neck: Mechanism, cases: _Cases, tolerance: float, threads: int) -> dic
         _PLAIN: (lambda left, right: reference.solve(p, mesh, [left, right, 0.0, 0.0, 0.0, 1.0]), pairs)
     }
     for name, model in models.items():
-        ways[f"{name}, solve"] = (lambda *lam, model=model: model.solve(lam), pairs)
+        ways[f"{name}, solve"] = (lambda *lam, model=model: model.solve(lam, path="ignore"), pairs)
     for name, model in models.items():
-        ways[f"{name}, control step"] = (model.stepper(tolerance=tolerance), pairs)
+        ways[f"{name}, control step"] = (model.stepper(tolerance=tolerance, path="ignore"), pairs)
     ways[_CALL] = (cases.poly.stepper(), poses)
     ways[EMPTY] = (nothing, pairs)
     for name, model in models.items():
@@ -211,4 +211,4 @@ def _name(neck: Mechanism) -> str:
 
 
 def _batch(model: FiniteElementModel, tolerance: float, threads: int) -> Callable[[Array], object]:
-    return lambda lam: model.solve_batch(lam, tolerance=tolerance, threads=threads)
+    return lambda lam: model.solve_batch(lam, tolerance=tolerance, threads=threads, path="ignore")

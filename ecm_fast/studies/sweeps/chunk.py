@@ -59,7 +59,7 @@ def solve(spec: SweepSpec, number: int, room: ScratchBuffers | None = None, *, s
     model, result = room.model(spec.digest, partial(_model, spec, {})), _result(room, rows)
     changes = np.flatnonzero(np.any([own[1:] != own[:-1] for own in columns.values()], axis=0)) + 1
     if not columns:
-        model.solve_batch(lam, wrench, tolerance=spec.tolerance, out=result)
+        model.solve_batch(lam, wrench, tolerance=spec.tolerance, out=result, path=spec.path)
     elif (len(changes) + 1) * WORTH_A_MODEL <= rows:
         _by_mechanism(spec, columns, changes, lam, wrench, result)
     else:
@@ -67,7 +67,7 @@ def solve(spec: SweepSpec, number: int, room: ScratchBuffers | None = None, *, s
         par[:] = pack(model.mechanism)
         for name, values in columns.items():
             par[:, index(name)] = values
-        model.solve_batch(lam, wrench, parameters=par, tolerance=spec.tolerance, out=result)
+        model.solve_batch(lam, wrench, parameters=par, tolerance=spec.tolerance, out=result, path=spec.path)
     return Solved(inputs, result)
 
 
@@ -104,4 +104,4 @@ def _by_mechanism(
             result.x[rows], result.z[rows], result.theta[rows], result.status[rows], result.load_factor[rows]
         )
         dead = wrench if wrench.ndim == 1 else wrench[rows]
-        model.solve_batch(lam[rows], dead, tolerance=spec.tolerance, out=out)
+        model.solve_batch(lam[rows], dead, tolerance=spec.tolerance, out=out, path=spec.path)

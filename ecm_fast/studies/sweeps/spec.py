@@ -101,7 +101,7 @@ class SweepSpec:
     seed : of random and sobol
     mechanism : what is built where no input says otherwise
     elements, order : of the discretization; order 0 is the model's default
-    tolerance : as for `FiniteElementModel.solve_batch`
+    tolerance, path : as for `FiniteElementModel.solve_batch`; cases have no order
     keep : rows, every case in a file; or statistics alone
     chunk : cases of one unit of work
     bins : of the histograms
@@ -120,11 +120,14 @@ class SweepSpec:
     chunk: int = CHUNK
     bins: int = 200
     ranges: tuple[tuple[str, float, float], ...] = ()
+    path: Literal["ignore"] | None = None
 
     @cached_property
     def text(self) -> str:
         """Everything the results depend on, on one line; `of_text` reads it."""
         content = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        if self.path is None:
+            del content["path"]  # as in sweeps that were begun before there was this choice
         content["inputs"] = [[i.name, i.kind, list(i.numbers), i.steps] for i in self.inputs]
         content["mechanism"] = dict(zip(_KEYS, pack(self.mechanism).tolist(), strict=True))
         return json.dumps({"ecm_fast": __version__, **content})

@@ -10,9 +10,13 @@ from typing import Any
 
 from ...errors import InputError, did_you_mean, key_shown, shown, why
 from ...files import read_whole
+from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find
+from ...mechanism.vector import pack
+from ...models.instruments.history import path_effects
 from ...models.loads import MIN_TOLERANCE
+from ...models.path_state import check_order
 from .spec import CHUNK, LOADS, OUTPUTS, Input, SweepSpec, limits
 
 __all__ = ["read_spec"]
@@ -20,7 +24,7 @@ __all__ = ["read_spec"]
 SAMPLES = ("grid", "random", "sobol")
 KEEPS = ("rows", "statistics")
 MOST = {"grid": 10**12, "random": 10**12, "sobol": 2**30}
-_SETTINGS = ("sample", "cases", "seed", "mechanism", "elements", "order", "tolerance", "keep", "chunk")
+_SETTINGS = ("sample", "cases", "seed", "mechanism", "elements", "order", "tolerance", "keep", "chunk", "path")
 _FORMS = "a number, [from, to], or a table with from and to (in a grid also steps), with values, or with mean and std"
 
 
@@ -37,6 +41,7 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> SweepSpec:
         seed = 0
         keep = "rows"             # or "statistics"
         mechanism = "neck.toml"   # beside this file; default: the preset "slender"
+        path = "ignore"           # leaves out friction and other effects of the path; else they are refused
 
         [inputs]                  # loads, parameters and effects; in a grid the last one changes fastest
         lam_l = [0.0, 160.0]                      # uniform
@@ -79,18 +84,25 @@ def _spec(content: Mapping[str, Any], folder: Path) -> SweepSpec:
     chunk = _whole("sweep.chunk", given.get("chunk", CHUNK), 64, 1 << 20)
     if chunk & (chunk - 1):
         raise InputError(f"sweep.chunk = {chunk}: allowed is a power of two")
+    neck, path = _mechanism(given.get("mechanism"), folder), given.get("path")
+    if path is not None:
+        _one_of("sweep.path", path, ("ignore",))
+    on_path = {item.size.key: item.name for item in CATALOGUE.values() if item.enters == "path"}
+    effects = path_effects(pack(neck)) + [on_path[entry.name] for entry in inputs if entry.name in on_path]
+    check_order(effects, path, "a sweep")
     return SweepSpec(
         inputs=inputs,
         sample=sample,
         cases=_cases(given, sample, inputs),
         seed=_whole("sweep.seed", given.get("seed", 0), 0, 2**63 - 1),
-        mechanism=_mechanism(given.get("mechanism"), folder),
+        mechanism=neck,
         elements=_whole("sweep.elements", given.get("elements", 1), 1, 100_000),
         order=_whole("sweep.order", given.get("order", 0), 0, 6),
         tolerance=_number("sweep.tolerance", given.get("tolerance", 1e-9), MIN_TOLERANCE, 1e-3),
         keep=_one_of("sweep.keep", given.get("keep", "rows"), KEEPS),
         chunk=chunk,
         bins=_whole("statistics.bins", kept.get("bins", 200), 1, 100_000),
+        path=path,
         ranges=tuple(
             (name, *_span(f"statistics.{name}", kept[name], -math.inf, math.inf)) for name in OUTPUTS if name in kept
         ),

@@ -1,0 +1,251 @@
+"""The control step of a model as an object that can be copied, sent to another process, and set back."""
+
+import functools
+import math
+import threading
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError, real, shown
+from ..kernels.history import begin, next_row, row_pieces
+from ..kernels.prepare import prepare
+from ..mechanism.mechanism import Mechanism
+from ..mechanism.vector import pack
+from ..mesh.discretization import Discretization
+from .batch import fast_path
+from .instruments.history import USER_ROWS, attachments, is_on_path, path_effects
+from .loads import MIN_TOLERANCE, last_step, one_load
+from .path_state import PathChoice, PathState, check_order
+from .paths.condensed import STRETCH, Condensation
+from .paths.general import StepCore, System, robust_stepper
+from .refinement import work_arrays
+
+__all__ = ["Stepper"]
+
+Array = NDArray[np.float64]
+
+
+class _NoDerivativesError(InputError, AttributeError):
+    """Derivatives are asked of a stepper that makes none."""
+
+
+class Stepper:
+    """A control step: ``x, z, theta, status = step(lam_l, lam_r)``, made by `FiniteElementModel.stepper`.
+
+    A call takes the readings of both force cells [N] and returns the pose of the head [m, m, rad] and its status. It
+    starts from the equilibria of the calls before, takes a bounded number of Newton steps, allocates nothing and never
+    raises for a number.
+
+    ======================  ==============  =====================================================================
+    status                  pose            meaning
+    ======================  ==============  =====================================================================
+    0 CONVERGED             finite          stable equilibrium: the only status under which a pose may be used
+    1 UNSTABLE              finite          equilibrium, but not stable: the neck would leave it. Test the status,
+                                            not the pose for nan
+    2 NOT_CONVERGED         nan             no equilibrium was found; the next call starts anew
+    3 TENDON_ZERO_LENGTH    nan             a tendon is pulled up to its pulley
+    4 INVALID_INPUT         nan             a force, t or dwell is negative or no number; nothing has changed
+    ======================  ==============  =====================================================================
+
+    Every status is a value of `Status`, whose ``Status(status).explain()`` says it in a sentence.
+
+    Where the mechanism has effects of the path (friction, hysteresis, memory, creep, Mullins, drift), a call is the
+    next row of that path: ``step(lam_l, lam_r, t, dwell)`` with the time stamp and the time held before reading [s],
+    both nan unless given. The answers are the poses that `predict` has for the same rows, and the state is the
+    stepper's own: `state` returns it and `reset` sets it. What the camera adds, its drift included, is no part of the
+    pose. A call then solves twice, each time from the straight neck.
+
+    Copies, deep copies and pickles are steppers of their own, made anew from mechanism, discretization and settings,
+    that go on from the same state. Calls from several threads wait for each other; what they make is one sequence of
+    calls, so threads that follow loads of their own need a stepper each.
+
+    Parameters
+    ----------
+    mechanism, discretization : of the model
+    wrench, tolerance, derivatives, lam_max, path : see `FiniteElementModel.stepper`
+    """
+
+    __slots__ = ("__call__", "__weakref__", "_arguments", "_core", "_first", "_past")
+
+    if TYPE_CHECKING:
+
+        def __call__(
+            self, lam_l: float, lam_r: float, t: float = ..., dwell: float = ...
+        ) -> tuple[float, float, float, int]:
+            """Take a step, see above; at run time it is the compiled function itself."""
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        discretization: Discretization,
+        wrench: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        tolerance: float = 1e-9,
+        derivatives: bool = False,
+        lam_max: float = 0.0,
+        path: PathChoice = None,
+    ) -> None:
+        loads, last2 = one_load(np.zeros(2), wrench), last_step(tolerance)
+        if not 0.0 <= real("lam_max", lam_max) < np.inf:
+            raise InputError(f"lam_max = {shown(lam_max)}: allowed is a finite number, 0 or more")
+        par = pack(mechanism)
+        carries = path is None and is_on_path(par)
+        if carries:
+            _check_laws(par)
+        check_order((), path, "a stepper")
+        if isinstance(path, PathState):
+            par = pack(path.hold(mechanism))
+        settings = {"tolerance": tolerance, "derivatives": derivatives, "lam_max": lam_max, "path": path}
+        self._arguments = mechanism, discretization, np.array(loads[2:5]), settings
+        self._past: Array | None = None
+        if carries:
+            self._core, self._past = _path_core(discretization, par, loads, derivatives)
+        else:
+            self._core = _core(discretization, par, loads, last2, derivatives, lam_max)
+        self._first = tuple(part.copy() for part in self._core.kept)
+        object.__setattr__(self, "__call__", self._core.call)  # a slot: a method would cost a tenth of a step
+
+    @property
+    def jacobian(self) -> Array:
+        """Derivative of the last pose by the tendon forces, (3, 2) [m/N, m/N, rad/N]; the next call overwrites it.
+
+        Effects of the path are held where they are.
+
+        Raises
+        ------
+        InputError : the stepper was made without ``derivatives=True``.
+        """
+        self._check_derivatives("jacobian")
+        return self._core.jacobian
+
+    @property
+    def compliance(self) -> Array:
+        """Derivative of the last pose by a dead wrench at Q, (3, 3); the next call overwrites it.
+
+        Raises
+        ------
+        InputError : the stepper was made without ``derivatives=True``.
+        """
+        self._check_derivatives("compliance")
+        return self._core.compliance
+
+    @property
+    def state(self) -> PathState:
+        """What the path so far has left behind.
+
+        Raises
+        ------
+        InputError : the mechanism has no effect of the path, or it was told to be ignored.
+        """
+        return PathState(*self._path("state").tolist())
+
+    def reset(self, state: PathState | None = None) -> None:
+        """Forget every call: the next one starts from the straight neck.
+
+        state : of the path, from which it goes on; default: none yet, as in a new session
+        """
+        past = None if state is None else self._path("reset(state)")
+        self._set(self._first)
+        if past is not None and state is not None:
+            past[:] = state.array()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, self._arguments, tuple(part.copy() for part in self._core.kept)
+
+    def __setstate__(self, kept: tuple[Array, ...]) -> None:
+        self._set(kept)
+
+    def _set(self, kept: tuple[Array, ...]) -> None:
+        for part, value in zip(self._core.kept, kept, strict=True):
+            part[...] = value
+
+    def _path(self, what: str) -> Array:
+        if self._past is None:
+            raise InputError(f"{what}: this stepper carries no path, since its mechanism has no effect of the path")
+        return self._past
+
+    def _check_derivatives(self, name: str) -> None:
+        if not self._arguments[3]["derivatives"]:
+            raise _NoDerivativesError(f"step.{name} is made by a stepper with derivatives alone: say "
+                                 "model.stepper(derivatives=True)")  # fmt: skip
+
+    def __repr__(self) -> str:
+        kind = "" if self._past is None else f" along a path, with {', '.join(path_effects(pack(self._arguments[0])))}"
+        return f"<Stepper of {self._arguments[1].n_elements} element(s) of order {self._arguments[1].order}{kind}>"
+
+
+def _restored(mechanism: Mechanism, discretization: Discretization, wrench: Array, settings: dict[str, Any]) -> Stepper:
+    return Stepper(mechanism, discretization, wrench, **settings)
+
+
+def _check_laws(par: Array) -> None:
+    own = [name for name in path_effects(par) if name in USER_ROWS]
+    if own:
+        raise InputError(f"{own[0]}: a law of rows of your own is given all rows at once, which a stepper has not: use "
+                         'predict, or leave effects of the path out with path="ignore"')  # fmt: skip
+
+
+def _prepared(mesh: Discretization, par: Array) -> System:
+    """Return stations, tip and q_rest of a mechanism."""
+    stations, tip, q_rest, _, _ = work_arrays(mesh)
+    prepare(par, mesh.mesh, mesh.nodes, stations, tip, q_rest)
+    return stations, tip, q_rest
+
+
+def _core(mesh: Discretization, par: Array, loads: Array, last2: float, derivatives: bool, lam_max: float) -> StepCore:
+    """Return the step of a mechanism on its quickest path."""
+    system = _prepared(mesh, par)
+    fast = fast_path(mesh, *system)
+    if fast is None:
+        return robust_stepper(mesh, system, loads, lam_max != 0.0)
+    return fast.stepper(system, loads, last2, derivatives, lam_max)
+
+
+def _path_core(mesh: Discretization, par: Array, loads: Array, derivatives: bool) -> tuple[StepCore, Array]:
+    """Return the step that carries the path, and the array with the path's state.
+
+    First comes the pose without effects of the path, which leads them; then the constants of the mechanism they leave,
+    and the pose with these. Both start from the straight neck and are solved to rounding, as rows of `predict` are.
+    """
+    last2, system = last_step(MIN_TOLERANCE), _prepared(mesh, par)
+    fast = Condensation.of(mesh, *system)
+    plain = _core(mesh, par, loads, last2, False, -1.0)
+    along = robust_stepper(mesh, system, loads, True) if fast is None else fast.stepper(system, loads, last2,
+                                                                                      derivatives, -1.0)  # fmt: skip
+    constants, places = along.system
+    order = 0 if fast is None else mesh.order
+    pieces = row_pieces(len(par), len(mesh.mesh), mesh.nodes.size, order)
+    memory = np.zeros(max(first + math.prod(shape) for first, shape in pieces.values()))
+    parts = {name: memory[first : first + math.prod(shape)].reshape(shape) for name, (first, shape) in pieces.items()}
+    where = places["stations"], places["tip"], places.get("con", 0)
+    parts["sizes"][:] = len(par), len(mesh.mesh), mesh.nodes.size, order, *where
+    attached, pulleys, parts["rest"][:] = attachments(par[None])
+    parts["attached"][:], parts["pulleys"][:] = attached, pulleys
+    parts["par"][:], parts["mesh"][:], parts["nodes"][:], parts["stretch"][:] = par, mesh.mesh, mesh.nodes, STRETCH
+    if order:
+        parts["turn"][:], parts["slopes"][:] = mesh.turn, mesh.slopes
+    past = parts["past"]
+    begin(past, parts["rest"])
+    lock, carry = threading.Lock(), functools.partial(_compiled_row(), memory.ctypes.data, constants.ctypes.data)
+    keep_alive, nan = (memory, constants), math.nan
+
+    def step(lam_l: float, lam_r: float, t: float = nan, dwell: float = nan) -> tuple[float, float, float, int]:
+        assert keep_alive
+        with lock:
+            if not (0.0 <= lam_l < math.inf and 0.0 <= lam_r < math.inf):
+                return along.call(nan, nan)
+            x, z, theta, _ = plain.call(lam_l, lam_r)
+            possible = carry(float(lam_l), float(lam_r), float(t), float(dwell), x, z, theta)
+            return along.call(lam_l, lam_r) if possible else along.call(nan, nan)
+
+    return StepCore(step, (past, *along.kept), along.jacobian, along.compliance, along.system), past
+
+
+@functools.cache
+def _compiled_row() -> Any:
+    """Return `next_row`, compiled once and for numbers of any kind."""
+    next_row.compile(f"(int64, int64, {', '.join(7 * ['float64'])})")
+    next_row.disable_compile()
+    return next_row
