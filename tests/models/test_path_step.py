@@ -170,6 +170,7 @@ def test_what_knows_no_order_refuses_effects_of_the_path(way: str) -> None:
 
 
 def test_training_on_rows_refuses_friction_of_the_tendons() -> None:
+    """The wrench of tendons is that of their true forces, which friction makes a matter of order."""
     with pytest.raises(ecm.InputError, match=r"^tendon_coulomb_friction depends on the loads before"):
         solvers(NECK.replace(tendon_coulomb_friction=3.0))["training_rows"]()
 
@@ -190,6 +191,7 @@ def test_a_solve_at_the_state_of_a_stepper_is_its_answer() -> None:
 
 
 def test_a_stepper_told_to_ignore_the_path_has_no_state() -> None:
+    """The neck without the effect, bit for bit."""
     model = ecm.FiniteElementModel(NECK.replace(creep=0.1), order=4)
     step = model.stepper(path="ignore")
     assert step(40.0, 10.0) == ecm.FiniteElementModel(NECK, order=4).stepper()(40.0, 10.0)
@@ -199,6 +201,7 @@ def test_a_stepper_told_to_ignore_the_path_has_no_state() -> None:
 
 
 def test_sweeps_and_commands_refuse_and_ignore(tmp_path: Any, monkeypatch: Any, capsys: Any) -> None:
+    """The documented interface: exit code 2 with the name of the effect, or the choice to leave it out."""
     monkeypatch.chdir(tmp_path)
     NECK.replace(tendon_coulomb_friction=3.0).to_toml("neck.toml")
     solve = ["solve", "--tendons", "40", "10", "--mechanism", "neck.toml"]
@@ -215,6 +218,7 @@ def test_sweeps_and_commands_refuse_and_ignore(tmp_path: Any, monkeypatch: Any, 
 
 
 def test_a_law_of_rows_of_the_users_own_is_refused() -> None:
+    """The documented interface: such a law needs all rows at once."""
     ecm.effect("own_drift", unit="m", typical=1e-3, enters="rows", mirror="path")(
         lambda a, rows: {"camera_z_offset": a * rows.hours}
     )
