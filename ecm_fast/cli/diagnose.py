@@ -12,7 +12,6 @@ from ._command import DONE, Answer, Command, folder, outputs, saved
 from ._terminal import Waiting
 
 if TYPE_CHECKING:
-    from ..data.measurements import Measurements
     from ..diagnosis import Diagnosis, Plan
     from ..diagnosis.design.next_loads import NextLoads
     from ..mechanism.mechanism import Mechanism
@@ -111,15 +110,10 @@ def _diagnose(args: argparse.Namespace) -> Answer:
 
 def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
     from ..diagnosis import diagnose
-    from ..diagnosis.checks.checks import check
 
     neck, common, tests = mechanism(args), _common(args), [measurements(path, args) for path in args.test]
     path, page = folder(args.out or "out") / "mechanism.toml", _page_path(args)
     outputs(path, *() if page is None else (page,))
-    force = {"lam_N": common["force_sigma"]} if (common["force_sigma"] or 0.0) > 0.0 else {}
-    noticed = _noticed(neck, [part.with_noise(force) for part in common["data"]])
-    for part in tests:
-        check(neck, part)  # a sign or a unit that is wrong there would look like an effect that does not carry over
     found = diagnose(neck, **common, test=tests, progress=waiting)
     said = found.to_json_dict()
     found.mechanism.to_toml(path, _origin(found, args))
@@ -132,14 +126,14 @@ def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
         "next": [entry.to_json_dict() for entry in further.suggestions] if further else [],
         "inputs": _inputs(args),
     }
-    warnings = [f"warning: {text}" for text in (*noticed, *found.warnings, *found.alarms)]
+    warnings = [f"warning: {text}" for text in (*found.noticed, *found.warnings, *found.alarms)]
     notes = (*warnings, f"wrote {path}", *saved(args, answer))
     code = VERDICT_CODES[found.verdict] if args.exit_code else DONE
 
     def draw(page: Path) -> tuple[str, ...]:
         waiting("report")
         try:
-            return (f"wrote {_page(page, neck, found, common, further, noticed)}",)
+            return (f"wrote {_page(page, neck, found, common, further)}",)
         finally:
             waiting.end()
 
@@ -150,19 +144,6 @@ def _origin(found: "Diagnosis", args: argparse.Namespace) -> list[str]:
     """Return what a mechanism file should say of where its numbers come from."""
     fitted = ", ".join((*found.calibration, *found.dimensions))
     return [f"From ecm-fast diagnose {' '.join(args.data)}: {found.sentence}", f"Fitted, too: {fitted}."]
-
-
-def _noticed(neck: "Mechanism", data: "list[Measurements]") -> list[str]:
-    """Return what is noticed about the measurements; few rows are none where there are enough together."""
-    from ..diagnosis.checks.checks import FEW_ROWS, check
-
-    enough = sum(int(part.measured.any(axis=1).sum()) for part in data) >= FEW_ROWS
-    return [
-        f"{part.source}: {finding}" if len(data) > 1 else str(finding)
-        for part in data
-        for finding in check(neck, part).findings
-        if not (enough and finding.kind == "few rows")
-    ]
 
 
 def _page_path(args: argparse.Namespace) -> Path | None:
@@ -192,7 +173,6 @@ def _page(
     found: "Diagnosis",
     common: dict[str, Any],
     further: "NextLoads | None",
-    noticed: list[str],
 ) -> Path:
     """Write the page; return its path."""
     from ..diagnosis import plan
@@ -201,7 +181,7 @@ def _page(
 
     shown = plan(neck, **common)
     tests = parity(common["data"][0], found.rows.before) if len(common["data"]) == 1 else None
-    return write_diagnosis(found, neck, path, parity=tests, plan=shown, next_loads=further, notes=noticed,
+    return write_diagnosis(found, neck, path, parity=tests, plan=shown, next_loads=further, notes=found.noticed,
                            priors=common["priors"])  # fmt: skip
 
 

@@ -33,9 +33,10 @@ def _run(args: argparse.Namespace) -> Answer:
     prediction = predict(neck, data, **discretization(args))
     prediction.to_csv(path)
     counts, rms = prediction.counts, prediction.rms
-    answer = {"rms": rms, "rms_sigma": prediction.rms_sigma, "rows": prediction.rows, "status": counts, "csv": path}
+    answer = {"rms": rms, "rms_sigma": prediction.rms_sigma, "rows": prediction.rows, "status": counts, "csv": path,
+              "warnings": list(prediction.warnings)}  # fmt: skip
     failed = [i for i, status in enumerate(prediction.status) if not Status(status).converged]
-    notes = [f"wrote {path}"]
+    notes = [*(f"warning: {text}" for text in prediction.warnings), f"wrote {path}"]
     if failed:
         first = Status(prediction.status[failed[0]]).explain(prediction.load_factor[failed[0]])
         notes.insert(0, f"{len(failed)} of {data.n} rows did not converge; {data.where(failed[0])}: {first}")

@@ -1,21 +1,25 @@
 """A study: a mechanism and its measurements, from the checks to the diagnosis and the page."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..data.columns import CAMERA_SIGMA, CHANNELS
 from ..data.measurements import Measurements
+from ..data.repeated_rows import repeated_rows, without_poses
 from ..errors import InputError, real, shown
 from ..identification.rows import State
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.parameters import find
+from ..models.instruments.checks.checks import check
 from .answer.caveats import alarms, correlation_caveats, size_caveats, stiffness_caveats
 from .answer.claims import claims, estimates
 from .answer.sentences import missing_columns, nearest, sentence, verdict_of
+from .checks.coverage import FEW_ROWS, coverage
 from .design.detectability import distances, sights
 from .problem.candidates import chosen, uncertain_parameters
 from .problem.linearization import Linearization
@@ -79,18 +83,79 @@ class Study:
             raise InputError(f"max_effects = {shown(self.max_effects)}: allowed is 0, 1 or 2")
         if self.force_sigma is not None and not 0.0 <= real("force_sigma", self.force_sigma) < np.inf:
             raise InputError(f"force_sigma = {shown(self.force_sigma)}: allowed is a finite number >= 0")
-        if not self._parts(self.data):
+        if not self.parts:
             raise InputError("no measurements; a study takes at least one set")
 
-    @staticmethod
-    def _parts(data: Measurements | Sequence[Measurements]) -> tuple[Measurements, ...]:
-        return (data,) if isinstance(data, Measurements) else tuple(data)
+    @cached_property
+    def parts(self) -> tuple[Measurements, ...]:
+        """The sets of measurements."""
+        return (self.data,) if isinstance(self.data, Measurements) else tuple(self.data)
+
+    @cached_property
+    def tests(self) -> tuple[Measurements, ...]:
+        """The sets of measurements that are never fitted."""
+        return (self.test,) if isinstance(self.test, Measurements) else tuple(self.test)
+
+    @cached_property
+    def fitted(self) -> tuple[Measurements, ...]:
+        """The sets of measurements without the poses of rows that repeat an earlier one, sets of nothing else left out.
+
+        The same reading under the same load is the same evidence, and is weighed once.
+        """
+        again = repeated_rows(self.parts)
+        kept = [without_poses(part, rows) if rows.any() else part for part, rows in zip(self.parts, again, strict=True)]
+        return tuple(part for part, rows in zip(kept, again, strict=True) if part.measured.any() or not rows.any())
+
+    @cached_property
+    def unseen(self) -> tuple[Measurements, ...]:
+        """The test measurements without rows that are among those fitted.
+
+        Raises
+        ------
+        InputError : all rows of a test are.
+        """
+        again = repeated_rows([*self.parts, *self.tests])[len(self.parts) :]
+        kept = []
+        for part, rows in zip(self.tests, again, strict=True):
+            kept.append(without_poses(part, rows) if rows.any() else part)
+            if rows.any() and not kept[-1].measured.any():
+                raise InputError(f"{part.source}: all its {int(rows.sum())} rows are among those fitted: a test takes "
+                                 "measurements that no fit has seen")  # fmt: skip
+        return tuple(kept)
+
+    def check(self) -> tuple[str, ...]:
+        """Return what is noticed about the measurements, one sentence each with its cure.
+
+        Raises
+        ------
+        InputError : a set cannot be used as it is, see `checks.check`, or all rows of a test are among those fitted.
+        """
+        known = {"lam_N": self.force_sigma} if self.force_sigma else {}
+        enough = sum(int(part.measured.any(axis=1).sum()) for part in self.parts) >= FEW_ROWS
+        lines = list[str]()
+        for part in self.parts:
+            found = [*check(self.mechanism, part).findings, *coverage(part.with_noise(known))]
+            texts = [str(finding) for finding in found if not (enough and finding.kind == "few rows")]
+            lines += [f"{part.source}: {text}" for text in texts] if len(self.parts) > 1 else texts
+        lines += self._repeated_across()
+        for part in self.unseen:
+            check(self.mechanism, part)  # a wrong sign or unit there would look like an effect that does not carry over
+        return tuple(lines)
+
+    def _repeated_across(self) -> Iterator[str]:
+        """Yield a line for every set whose rows repeat those of an earlier one."""
+        across = repeated_rows([*self.parts, *self.tests])
+        for part, rows in zip((*self.parts, *self.tests), across, strict=True):
+            count = int((rows & ~repeated_rows([part])[0]).sum())
+            if count:
+                yield (f"{part.source}: {count} of {part.n} rows repeat rows of the files before to the last digit: "
+                       "the same evidence, which counts once")  # fmt: skip
 
     def problem(self, data: Sequence[Measurements] | None = None, progress: Progress | None = None) -> Problem:
         """Return what the diagnosis works on."""
         uncertain = uncertain_parameters(self.uncertain)
         candidates = [entry for entry in chosen(self.candidates, self.mechanism) if entry.keys[0] not in uncertain]
-        parts = self._parts(self.data) if data is None else tuple(data)
+        parts = self.fitted if data is None else tuple(data)
         return Problem(self.mechanism, parts, candidates, uncertain, self.priors,
                        force_sigma=self.force_sigma, seed=self.seed, progress=progress)  # fmt: skip
 
@@ -98,7 +163,7 @@ class Study:
         """Return what the loads can tell, whatever will be measured."""
         from ..models.instruments.prediction import predict
 
-        parts = [_blank_filled(part, predict(self.mechanism, part).pose) for part in self._parts(self.data)]
+        parts = [_blank_filled(part, predict(self.mechanism, part).pose) for part in self.parts]
         problem = self.problem(parts)
         values = dict(zip(problem.keys, problem.start(problem.keys).tolist(), strict=True))
         noise = problem.noise(problem.rows.at(problem.start(problem.keys)))
@@ -118,11 +183,11 @@ class Study:
 
     def diagnose(self) -> Diagnosis:
         """Return what is missing, and the proof."""
-        begin = time.perf_counter()
+        begin, noticed = time.perf_counter(), self.check()
         problem = self.problem(progress=Progress(self.progress))
         found = search_all(problem, self.alpha, self.max_effects, self.seed)
         problem.progress.begin("proof")
-        return _answer(self, problem, found, begin)
+        return _answer(self, problem, found, noticed, begin)
 
 
 def diagnose(
@@ -181,7 +246,7 @@ def _in_words(view: Linearization) -> str:
             f"{DRIFT:g} of it from first to last row, and a build within its tolerances")  # fmt: skip
 
 
-def _answer(study: Study, problem: Problem, found: Selection, begin: float) -> Diagnosis:
+def _answer(study: Study, problem: Problem, found: Selection, noticed: tuple[str, ...], begin: float) -> Diagnosis:
     baseline, view, best = found.baseline, found.view, found.best
     before, after = found.null.state(problem), best.state(problem)
     around = problem.state(problem.keys_of(view.model), view.values)
@@ -219,6 +284,7 @@ def _answer(study: Study, problem: Problem, found: Selection, begin: float) -> D
         remainder=left,
         outliers=tuple((problem.rows.where(i), reason) for i, reason in lost),
         missing=missing,
+        noticed=noticed,
         warnings=(
             *not_carried(tests, [claim.name for claim in effects]),
             *found.doubts,
@@ -248,7 +314,7 @@ def _by_name(values: Mapping[str, float]) -> dict[str, float]:
 
 def _transfer(study: Study, found: Selection, noise: Noise) -> tuple[Transfer, ...]:
     """Return the gap on every experiment that was never fitted."""
-    parts = (transfer(study.problem([part]), found, noise, study.seed) for part in study._parts(study.test))
+    parts = (transfer(study.problem([part]), found, noise, study.seed) for part in study.unseen)
     return tuple(entry for entry in parts if entry)
 
 

@@ -1,26 +1,30 @@
 """Identification of parameters from measurements, Section 2.4 of the paper: (42) with exact derivatives."""
 
-import functools
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..data.measurements import Measurements
+from ..data.repeated_rows import repeated_rows, without_poses
 from ..errors import InputError, real, shown
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.parameters import find, index
+from ..mechanism.sections import STIFFNESSES
 from ..mechanism.vector import pack
 from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
+from ..models.instruments.checks.checks import faults
+from ..models.instruments.checks.finding import Finding
 from .least_squares import NEAR, Loss, Minimum, minimize, visible
 from .result import Estimate, Identification, Objective
 from .rows import CHANNELS, RESIDUAL, FitRows, FitSet, Noise, State, prior_std
 from .variance_components import VarianceComponents
 from .warnings import in_words
 
-__all__ = ["identify"]
+__all__ = ["fit_parameters", "identify", "t_quantile"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -70,12 +74,14 @@ def identify(
     Raises
     ------
     InputError : a name, a channel or a prior cannot be meant, or the readings are too few; says what is allowed.
+        Or the measurements cannot be used as they are, see `checks.check`: a wrong unit or sign, a broken force cell.
 
     Notes
     -----
-    A reading's noise is what its sigma column declares; else the scatter of rows with the same ``pose_id``; else what
-    the fit leaves, by channel and experiment, see `variance_components`. `Identification.noise` says which. From what a
-    fit leaves of fewer than 3 rows no interval is taken: it is infinite, and a warning says why.
+    Rows that repeat an earlier one to the last digit count once. A reading's noise is what its sigma column declares;
+    else the scatter of rows with the same ``pose_id``; else what the fit leaves, by channel and experiment, see
+    `variance_components`. `Identification.noise` says which. From what a fit leaves of fewer than 3 rows no interval is
+    taken: it is infinite, and a warning says why.
 
     Examples
     --------
@@ -85,9 +91,37 @@ def identify(
     True
     """
     wanted, sets = _experiments(mechanism, data, names, channels)
-    mesh = _mesh(elements, order) if isinstance(elements, int) else Discretization.of(elements, order)
-    rows = FitRows(sets, wanted, mesh)
-    prior = _prior(wanted, priors or {})
+    found, known = _faults(sets, wanted), {*wanted} <= {*STIFFNESSES}
+    if known:
+        _refuse(sets, found)
+    sets = _without_repeats(sets)
+    fit = fit_parameters(sets, wanted, priors=priors, loss=loss, loss_scale=loss_scale, force_sigma=force_sigma,
+                         level=level, elements=elements, order=order)  # fmt: skip
+    if any(finding.certain or finding.kind == "unexplained" for part in found for finding in part):
+        fitted = zip(sets, fit.mechanisms, strict=True)
+        found = _faults([replace(entry, mechanism=built) for entry, built in fitted], wanted)
+        _refuse(sets, found)
+    several = len(sets) > 1
+    texts = (f"{entry.data.source}: {finding}" if several else str(finding)
+             for entry, part in zip(sets, found, strict=True) for finding in part)  # fmt: skip
+    return replace(fit, warnings=(*texts, *fit.warnings))
+
+
+def fit_parameters(
+    sets: Sequence[FitSet],
+    names: Sequence[str],
+    *,
+    priors: Priors | None = None,
+    loss: str = "linear",
+    loss_scale: float = 1.345,
+    force_sigma: float | None = None,
+    level: float = 0.90,
+    elements: int | ArrayLike = 1,
+    order: int = 5,
+) -> Identification:
+    """Fit parameters to experiments as they are, without any check of the measurements; arguments as `identify`."""
+    rows = FitRows(sets, names, Discretization.of(elements, order))
+    prior = _prior(names, priors or {})
     if not 0.0 < real("level", level) < 1.0:
         raise InputError(f"level = {shown(level)}: allowed is a number between 0 and 1")
     if force_sigma is not None and not 0.0 <= real("force_sigma", force_sigma) < np.inf:
@@ -95,10 +129,27 @@ def identify(
     return _Fit(rows, prior, Loss(loss, loss_scale), level).run(force_sigma)
 
 
-@functools.lru_cache(typed=True)
-def _mesh(elements: int, order: int) -> Discretization:
-    """Return a discretization with its tables, which take as long as a hundred solves."""
-    return Discretization.of(elements, order)
+def _faults(sets: Sequence[FitSet], names: Sequence[str]) -> list[list[Finding]]:
+    """Return the faults of every experiment's measurements, channels that do not count left out."""
+    return [faults(entry.mechanism, entry.counted, names) if entry.counted.measured.any() else [] for entry in sets]
+
+
+def _refuse(sets: Sequence[FitSet], found: Sequence[Sequence[Finding]]) -> None:
+    for entry, part in zip(sets, found, strict=True):
+        certain = [str(finding) for finding in part if finding.certain]
+        if certain:
+            raise InputError(f"{entry.data.source}: {'. '.join(certain)}")
+
+
+def _without_repeats(sets: Sequence[FitSet]) -> list[FitSet]:
+    """Return the experiments, the poses of rows that repeat an earlier row of the same kind of experiment blank."""
+    kept = list(sets)
+    for i, entry in enumerate(sets):
+        alike = [j for j in range(i + 1) if (sets[j].mechanism, sets[j].channels) == (entry.mechanism, entry.channels)]
+        again = repeated_rows([sets[j].data for j in alike])[-1]
+        if again.any():
+            kept[i] = replace(entry, data=without_poses(entry.data, again))
+    return kept
 
 
 class _Fit:
@@ -193,7 +244,7 @@ class _Fit:
             untold = np.full(len(values), rows_told < _FEWEST_ROWS or dof < 1) | ~(freedom >= _FEWEST_DOF)
             covariance[untold, untold] = np.inf
         std = np.sqrt(np.diag(covariance))
-        reach = np.array([_quantile(self.level, float(nu)) for nu in freedom])
+        reach = np.array([t_quantile(self.level, float(nu)) for nu in freedom])
         with np.errstate(invalid="ignore"):
             low = np.where(np.isfinite(std), np.maximum(values - reach * std, self.lower), -np.inf)
             high = np.where(np.isfinite(std), np.minimum(values + reach * std, self.upper), np.inf)
@@ -292,7 +343,7 @@ def _same(before: Array, after: Array) -> bool:
     return bool(np.abs(after - before).max() <= _SAME_WEIGHTS * np.abs(after).max())
 
 
-def _quantile(level: float, dof: float) -> float:
+def t_quantile(level: float, dof: float) -> float:
     """Return how many standard deviations an interval reaches to each side: Student's t, Gaussian for dof = inf."""
     from scipy.special import ndtri, stdtrit
 

@@ -17,7 +17,7 @@ from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
 from ..models.instruments.measuring_chain import MeasuringChain
 from ..models.loads import last_step
-from .identify import _quantile, identify
+from .identify import identify, t_quantile
 
 __all__ = ["Posterior", "posterior"]
 
@@ -168,7 +168,7 @@ class _Density:
         self._priors = [(list(names).index(name), value, std) for name, (value, std) in priors.items()]
         self.solves = 0
         self._dof = min(found.dof for found in fit.parameters.values())
-        quantiles = [_quantile(fit.level, found.dof) for found in fit.parameters.values()]
+        quantiles = [t_quantile(fit.level, found.dof) for found in fit.parameters.values()]
         self._widened = float((fit._reach / quantiles).max())
         self._most = float(self._gaussian(self.best[None])[0])
 

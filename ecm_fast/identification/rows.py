@@ -1,7 +1,7 @@
 """The rows of a fit: several experiments as one system, and the noise of each reading."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,12 @@ class FitSet:
                 raise InputError(f"channel = {name!r}: allowed is {' or '.join(map(repr, CHANNELS))}")
         if not self.channels:
             raise InputError(f"{self.data.source}: no channel to fit; allowed are {', '.join(CHANNELS)}")
+
+    @property
+    def counted(self) -> Measurements:
+        """The measurements with the channels blank that do not count."""
+        x, z, theta = np.where(np.isin(CHANNELS, self.channels), self.data.pose, np.nan).T.copy()
+        return replace(self.data, x=x, z=z, theta=theta)
 
 
 @dataclass(frozen=True, eq=False)

@@ -195,9 +195,10 @@ def test_a_build_within_its_tolerances_shows_no_effect():
 
 def test_many_files_drift_as_one():
     """Counting: columns of drift for one, four and five files."""
-    blank = replace(declared(LOADS), x=np.full(LOADS.n, 0.1), z=np.zeros(LOADS.n), theta=np.zeros(LOADS.n))
+    blanks = [replace(declared(LOADS), x=np.full(LOADS.n, 0.1 + 1e-6 * i), z=np.zeros(LOADS.n),
+                      theta=np.zeros(LOADS.n)) for i in range(5)]  # fmt: skip
     for files, columns in ((1, 3), (4, 12), (5, 3)):
-        problem = Study(NECK, [blank] * files).problem()
+        problem = Study(NECK, blanks[:files]).problem()
         state = problem.state((), {})
         shift = problem.weights(problem.noise(state), state).shift
         assert shift.shape == (files * LOADS.n, 3, columns)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...identification.identify import _quantile
+from ...identification.identify import t_quantile
 from ...identification.result import Estimate
 from ...mechanism.parameters import find
 from ..results.diagnosis import Claim, Model
@@ -24,7 +24,7 @@ def estimates(fit: Fit, found: Selection) -> Mapping[str, Estimate]:
 
 def _estimate(fit: Fit, i: int, found: Selection) -> Estimate:
     entry, value, std = find(fit.keys[i]), float(fit.values[i]), float(np.sqrt(fit.covariance[i, i]))
-    reach = _quantile(LEVEL, found.view.cleaned.dof) * std
+    reach = t_quantile(LEVEL, found.view.cleaned.dof) * std
     return Estimate(value, std, max(value - reach, entry.lower), min(value + reach, entry.upper), entry.unit)
 
 

@@ -13,7 +13,17 @@ from numpy.typing import NDArray
 
 from ...data.measurements import Measurements
 from ...errors import InputError, shown
-from .matched_rows import MOST_PAIRS, approach, leaning, load_table, match, mirrored, reach_of, repeats, smooth
+from ...models.instruments.checks.matched_rows import (
+    MOST_PAIRS,
+    approach,
+    leaning,
+    load_table,
+    match,
+    mirrored,
+    reach_of,
+    repeats,
+    smooth,
+)
 
 __all__ = ["Parity", "ParityTest", "parity"]
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.measurements import Measurements
-from ...identification.identify import identify
+from ...identification.identify import fit_parameters
 from ...identification.rows import DECLARED, FitRows, FitSet, Noise, State
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
@@ -69,8 +69,8 @@ class DiscriminationDesign:
         i, j = self.pairs[pair]
         true, rival = self.rivals[i], self.rivals[j]
         told = [_told(true.mechanism, part, self.sigma) for part in self.data]
-        fit = identify([(self.adapted[pair], part) for part in told], rival.free, priors=self.priors,
-                       force_sigma=self.force)  # fmt: skip
+        fit = fit_parameters([FitSet(self.adapted[pair], part) for part in told], rival.free, priors=self.priors,
+                             force_sigma=self.force)  # fmt: skip
         self.adapted[pair] = fit.mechanism
         c, b, gram = self._sums(told, fit.mechanism, rival.free)
         total = c.sum(axis=0, keepdims=True), b.sum(axis=0), gram.sum(axis=0)

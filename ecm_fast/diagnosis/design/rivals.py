@@ -8,7 +8,8 @@ import numpy as np
 
 from ...data.measurements import Measurements
 from ...errors import InputError, did_you_mean
-from ...identification.identify import identify
+from ...identification.identify import fit_parameters
+from ...identification.rows import FitSet
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import index
@@ -76,7 +77,9 @@ def fitted_rivals(
             key: float(np.clip(pack(mechanism)[index(key)] + 0.1 * entry.typical, entry.lower, entry.upper))
             for key, entry in sizes.items()
         })  # fmt: skip
-        fit = identify([(start, part) for part in data], free, priors=priors, loss="huber", force_sigma=force_sigma)
+        fit = fit_parameters(
+            [FitSet(start, part) for part in data], free, priors=priors, loss="huber", force_sigma=force_sigma
+        )
         rivals.append(Rival(tuple(names), fit.mechanism, free))
     return rivals
 

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from ...data.measurements import Measurements
 from ...errors import InputError
-from ...identification.identify import _mesh
 from ...identification.rows import FitRows, FitSet, Noise, State, prior_std
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find, index
 from ...mechanism.vector import pack
+from ...mesh.discretization import Discretization
 from ..statistics.priors import ROUGHLY, Priors
 from ..statistics.robust_noise import RowOrder
 from .candidates import EffectCandidate
@@ -69,7 +69,7 @@ class Problem:
         progress: Progress | None = None,
     ) -> None:
         self.mechanism, self.data, self.candidates = mechanism, tuple(data), tuple(candidates)
-        self.force_sigma, self.mesh, self.drift = force_sigma, _mesh(1, 5), DRIFT
+        self.force_sigma, self.mesh, self.drift = force_sigma, Discretization.of(1, 5), DRIFT
         self.progress = progress or Progress()
         self.keys = (*STIFFNESS_KEYS, *(key for key in uncertain if key not in STIFFNESS_KEYS))
         self.prior = self._priors(uncertain, priors)

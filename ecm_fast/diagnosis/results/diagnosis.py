@@ -61,6 +61,7 @@ class Diagnosis:
     remainder : of what is outside the catalogue
     outliers : place and reason of rows left out
     missing : columns whose absence keeps names from being told
+    noticed : findings about the measurements, see `Study.check`
     warnings : what to know before the answer is used
     alarms : parameters that calibration drives away from their material tests
     rows : row by row
@@ -85,6 +86,7 @@ class Diagnosis:
     remainder: Remainder | None
     outliers: tuple[tuple[str, str], ...]
     missing: tuple[str, ...]
+    noticed: tuple[str, ...]
     warnings: tuple[str, ...]
     alarms: tuple[str, ...]
     rows: RowFindings
@@ -115,6 +117,7 @@ class Diagnosis:
             "remainder": _remainder(self.remainder),
             "outliers": [{"row": place, "reason": reason} for place, reason in self.outliers],
             "missing": list(self.missing),
+            "noticed": list(self.noticed),
             "warnings": [*self.warnings, *self.alarms],
             "seconds": self.seconds,
         }
@@ -133,7 +136,7 @@ class Diagnosis:
         if self.gap:
             parts = (f"{name} {rms.sigma:.3g}" for name, rms in self.gap.stages.items())
             lines.append(f"  gap on {self.gap.rows} rows set aside [sigma]: {', '.join(parts)}")
-        lines += [f"  warning: {text}" for text in (*self.warnings, *self.alarms)]
+        lines += [f"  warning: {text}" for text in (*self.noticed, *self.warnings, *self.alarms)]
         return "\n".join(lines) + ">"
 
 

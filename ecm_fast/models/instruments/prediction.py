@@ -3,6 +3,7 @@
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from ...mechanism.vector import pack
 from ...mesh.discretization import Discretization
 from ..equilibrium import Status
 from ..loads import MIN_TOLERANCE, last_step
+from .checks.checks import faults
 from .measuring_chain import MeasuringChain
 
 __all__ = ["Prediction", "predict"]
@@ -34,12 +36,19 @@ class Prediction:
     status : (n,) values of `Status`
     load_factor : (n,) how much of the load the stable branch carries, see `Equilibrium`
     data : the measurements
+    mechanism : that was predicted
     """
 
     pose: Array
     status: NDArray[np.int64]
     load_factor: Array
     data: Measurements
+    mechanism: Mechanism
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What is wrong with the measured poses or loads, each with its cure, see `checks.check`."""
+        return tuple(map(str, faults(self.mechanism, self.data))) if self.data.measured.any() else ()
 
     @property
     def residual(self) -> Array:
@@ -94,7 +103,8 @@ class Prediction:
     def __repr__(self) -> str:
         kinds = ", ".join(f"{count} {name}" for name, count in self.counts.items() if count)
         rms = ", ".join(f"{name} {value:.3g}" for name, value in self.rms.items() if value is not None)
-        return f"<Prediction of {len(self.status)} rows: {kinds}; rms {rms or 'unknown, no pose is measured'}>"
+        text = f"<Prediction of {len(self.status)} rows: {kinds}; rms {rms or 'unknown, no pose is measured'}"
+        return "\n".join([text, *(f"  warning: {warning}" for warning in self.warnings)]) + ">"
 
 
 def _rms(columns: Array) -> list[float | None]:
@@ -126,4 +136,4 @@ def predict(
     """
     chain = MeasuringChain(Discretization.of(elements, order, None), data)
     pose, status, load_factor = chain.solve(pack(mechanism), last_step(MIN_TOLERANCE), threads)
-    return Prediction(pose, status, load_factor, data)
+    return Prediction(pose, status, load_factor, data, mechanism)

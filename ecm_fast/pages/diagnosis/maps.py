@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...data.columns import CHANNEL_KEYS
-from ...diagnosis.checks.matched_rows import approach, load_table, match, mirrored
 from ...models.finite_element import FiniteElementModel
+from ...models.instruments.checks.matched_rows import approach, load_table, match, mirrored
 from ..page import Picture
 from ..plots import CHANNELS_MRAD, COLORS, FAINT, canvas
 from .rows import MANY, Story, map_points, row_columns

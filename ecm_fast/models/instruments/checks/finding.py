@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ...data.measurements import Measurements
+from ....data.measurements import Measurements
 
 __all__ = ["Finding", "places"]
 

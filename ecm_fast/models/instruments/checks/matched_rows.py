@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...data.measurements import Measurements
+from ....data.columns import LOADS
+from ....data.measurements import Measurements
 
 __all__ = [
-    "LOADS",
     "MOST_PAIRS",
     "approach",
     "leaning",
@@ -24,7 +24,6 @@ __all__ = [
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
 
-LOADS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt")
 _MIRROR = (1, 0, 2, 3, 4, 5, 6)
 _MIRROR_SIGNS = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0, -1.0])
 _LEAST = np.array([1.0, 1.0, 1.0, 1.0, 0.05, 0.02, 0.003])

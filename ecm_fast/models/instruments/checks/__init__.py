@@ -1,0 +1,1 @@
+"""Checks of measurements: faults of instruments and labels, for every command."""

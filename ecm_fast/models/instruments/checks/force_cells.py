@@ -1,0 +1,165 @@
+"""Faults of the force cells: dead, stuck, saturated, dropped out.
+
+Such a cell shows one and the same number, to the last digit, in rows where the poses ask for other forces. The number
+alone proves nothing, since commanded loads repeat as well; nor do the poses alone, which a missing effect moves. Both
+together do: rows of one reading that another force of that cell explains, beside rows of other readings that need none.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....data.columns import CAMERA_SIGMA
+from ....data.measurements import Measurements
+from ....mechanism.mechanism import Mechanism
+from ....mechanism.vector import pack
+from ....mesh.discretization import Discretization
+from ...equilibrium import Status
+from ..measuring_chain import MeasuringChain
+from .calibration import Calibration, calibrate, scales, with_force
+from .finding import Finding, places
+
+__all__ = ["force_cell_findings"]
+
+Array = NDArray[np.float64]
+Places = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+CELLS = ("lam_l", "lam_r")
+_MOST = 1500  # rows that are looked at, evenly over the order of measurement
+_FEWEST_TIES, _FEWEST_OTHERS = 3, 8
+_MORE_TIES = 2.0  # times as often as other readings repeat
+_FAR = 8.0  # scales of the residual from which on a row is not explained
+_CURED = 3.0  # factor by which another force must reduce the residual
+_LEAST = 0.06
+"""Share of the largest force by which a reading must be off: more than any effect of twice its typical size asks."""
+_OTHERS_LESS = 3.0  # factor by which rows of similar loads and other readings must need less
+_NEIGHBORS = 3
+_MUCH = 0.2
+"""Share of the other cell's largest force by which a column that holds one number must be off: a neck that is bent by
+itself by twice what is usual asks for a tenth."""
+_SHARE = 0.25  # of the rows of a column that holds one number, which must ask for another
+_CLIPPED = 0.8  # of the rows that ask for another force: so many for a larger one
+_STEPS, _LARGEST_STEP = 8, 60.0  # Newton steps for a force, and the largest [N]
+_USUAL_NOISE = np.array(CAMERA_SIGMA)  # the least that a residual is compared with
+_LAST_STEP = 1e-14
+
+
+class _Asked(NamedTuple):
+    """What the poses ask of one cell.
+
+    force : (n,) [N]
+    before, after : (n,) largest residual of a row in scales, with the force read and with that one
+    """
+
+    force: Array
+    before: Array
+    after: Array
+
+
+def force_cell_findings(mechanism: Mechanism, data: Measurements) -> list[Finding]:
+    """Return which force cells show one number where the poses ask for others."""
+    rows = np.flatnonzero(data.measured.sum(axis=1) > 1)
+    rows = rows[np.unique(np.linspace(0, rows.size - 1, min(_MOST, rows.size)).astype(int))]
+    if rows.size < _FEWEST_OTHERS:
+        return []
+    suspects = {cell: list(_suspects(getattr(data, cell)[rows])) for cell in CELLS}
+    clean = ~np.any([np.isin(getattr(data, cell)[rows], readings) for cell, readings in suspects.items()], axis=0)
+    found = list[Finding]()
+    for cell, readings in suspects.items():
+        for reading in readings:
+            tied = getattr(data, cell)[rows] == reading
+            believed = clean if clean.sum() >= _FEWEST_OTHERS else ~tied
+            if believed.sum() >= _FEWEST_OTHERS:
+                found += _some_alike(mechanism, data, rows, cell, tied, believed)
+            elif tied.all():
+                found += _all_alike(mechanism, data, rows, cell)
+    return found
+
+
+def _suspects(values: Array) -> Iterator[float]:
+    """Yield readings that a faulty cell may have shown: zero, and what repeats far more often than others."""
+    distinct, counts = np.unique(values, return_counts=True)
+    often = np.maximum(_FEWEST_TIES, np.where(distinct == 0.0, 0.0, _MORE_TIES * np.median(counts)))
+    yield from (float(reading) for reading in distinct[(counts >= often) | (distinct.size == 1)])
+
+
+def _some_alike(
+    mechanism: Mechanism, data: Measurements, rows: Places, cell: str, tied: Mask, believed: Mask
+) -> Iterator[Finding]:
+    """Yield a finding where other forces explain rows of one reading; the rows `believed` calibrate the model."""
+    calibration = calibrate(mechanism, data, rows[believed])
+    scale = np.maximum(scales(calibration.residual), _USUAL_NOISE)
+    asked = _asked(mechanism, calibration, data, rows, cell, scale)
+    off = np.abs(asked.force - getattr(data, cell)[rows])
+    cured = (asked.before > _FAR) & (asked.after * _CURED < asked.before)
+    bad = tied & cured & (off > _LEAST * float(data.lam.max()))
+    if bad.sum() < _FEWEST_TIES:
+        return
+    near = _of_neighbors(data.lam[rows], np.flatnonzero(bad), np.flatnonzero(believed), off)
+    if np.median(off[bad] / np.maximum(near, 1e-9)) >= _OTHERS_LESS:
+        bad = tied & (asked.after < asked.before) & (off > _LEAST * float(data.lam.max()))
+        yield _worded(data, rows, cell, tied, bad, asked.force)
+
+
+def _asked(
+    mechanism: Mechanism, calibration: Calibration, data: Measurements, rows: Places, cell: str, scale: Array
+) -> _Asked:
+    """Return the force of a cell that meets the pose of each row best."""
+    par, place = pack(mechanism.replace(**calibration.stiffnesses)), CELLS.index(cell)
+    force, measured, first = getattr(data, cell)[rows].copy(), data.pose[rows], np.zeros(len(rows))
+    for count in range(_STEPS):
+        chain = MeasuringChain(Discretization.of(1, 5), with_force(data, rows, place, force), rows)
+        found = chain.sensitivities((), par, _LAST_STEP)
+        use = np.isfinite(measured) & (found.status == Status.CONVERGED)[:, None]
+        off = np.where(use, measured - np.nan_to_num(found.pose), 0.0) / scale
+        slope = np.where(use, np.nan_to_num(found.jacobian[:, :, place]), 0.0) / scale
+        last = np.where(use.any(axis=1), np.abs(off).max(axis=1), np.inf)
+        first = last if count == 0 else first
+        step = (off * slope).sum(axis=1) / np.maximum((slope**2).sum(axis=1), 1e-12)
+        if count < _STEPS - 1:
+            force = np.maximum(force + np.clip(step, -_LARGEST_STEP, _LARGEST_STEP), 0.0)
+    return _Asked(force, first, last)
+
+
+def _of_neighbors(lam: Array, of: Places, among: Places, off: Array) -> Array:
+    """Return the median of `off` in the rows `among` nearest to each of the rows `of`, (k,)."""
+    from scipy.spatial import KDTree
+
+    count = min(_NEIGHBORS, len(among))
+    nearest = KDTree(lam[among]).query(lam[of], list(range(1, count + 1)))[1]
+    return np.asarray(np.median(off[among][nearest], axis=1))
+
+
+def _all_alike(mechanism: Mechanism, data: Measurements, rows: Places, cell: str) -> Iterator[Finding]:
+    """Yield a finding where other forces explain what one reading in all rows does not."""
+    read, blind = calibrate(mechanism, data, rows), calibrate(mechanism, data, rows, blind=CELLS.index(cell))
+    before, after = scales(read.residual), scales(blind.residual)
+    off = np.abs(blind.force - getattr(data, cell)[rows])
+    other = float(data.lam[rows, 1 - CELLS.index(cell)].max())
+    bad = off > _MUCH * other  # both columns are zero where the tendons are off
+    unexplained = data.measured[rows].any(axis=0) & (before > _FAR * _USUAL_NOISE)
+    if other > 0.0 and unexplained.any() and (after * _FAR < before)[unexplained].all() and bad.mean() > _SHARE:
+        yield _worded(data, rows, cell, np.ones(rows.size, dtype=bool), bad, blind.force)
+
+
+def _worded(data: Measurements, rows: Places, cell: str, tied: Mask, bad: Mask, force: Array) -> Finding:
+    column = next((name for name in data.columns if name.startswith(f"{cell}_")), f"{cell}_N")
+    values = getattr(data, cell)[rows]
+    reading, low, high = float(values[tied][0]), float(force[bad].min()), float(force[bad].max())
+    asked = f"where the poses ask for {low:.3g} to {high:.3g} N"
+    if tied.all():
+        kind = "stuck" if reading else "dead"
+        sentence = f"{column}: {reading:g} N in all {rows.size} rows {asked}"
+        return Finding(kind, (), sentence, f"the cell is {kind}: mend it and measure again", True)
+    clipped = reading == values.max() and np.mean(force[bad] > reading) > _CLIPPED
+    lines = tuple(int(data.rows[i]) for i in rows[tied if clipped else bad])
+    if reading == 0.0:
+        kind, why = "dropped out", "the cell dropped out, and its gaps were written as zeros: leave these rows out"
+    elif clipped:
+        kind, why = "saturated", "the cell is saturated there: leave these rows out, or take a cell with a wider range"
+    else:
+        kind, why = "stuck", "the cell stood still there: leave these rows out"
+    return Finding(kind, lines, f"{column}: {reading:g} N in {places(data, lines)} {asked}", why, True)
