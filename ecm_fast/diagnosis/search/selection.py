@@ -1,7 +1,7 @@
 """Model selection: no effect, one or two; a linear ranking of all, then full fits of the best."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,23 @@ from .initial_values import initial_values
 from .odds import alternative_caveat
 from .outliers import drop_single_row_alarms, excess_noise
 
-__all__ = ["LIMITS", "Fits", "Selection", "onward", "refused", "search", "search_from"]
+__all__ = [
+    "FAILS",
+    "LIMITS",
+    "PASSES",
+    "WORTH",
+    "Fits",
+    "Selection",
+    "Trial",
+    "fit_models",
+    "fit_pairs",
+    "onward",
+    "refused",
+    "search",
+    "search_from",
+    "second_effect",
+    "trial",
+]
 
 Array = NDArray[np.float64]
 Fits = tuple[
@@ -27,13 +43,15 @@ LIMITS = {1: 5.0, 2: 9.2}
 """Evidence that a model of so many effects may lack to the best one and still be told from it by nobody.
 
 A given wrong rival leads the truth by that much with a chance of at most Phi(-sqrt(limit)), 1.3 % of one effect's."""
-_PLAUSIBLE = 10.0
-"""Typical sizes beyond which a name is refused."""
+_PLAUSIBLE = 6.0
+"""Typical sizes beyond which a name is refused: a neck 0.13 rad bent by itself, a tendon 18 mm off its place."""
+_VISIBLE, _LEFT_OVER = 2.0, 0.5
+"""Times the noise from which on a misfit is far beyond it, and the share of its square that an answer may leave."""
 _LEFT, _SINGLES, _PAIRS = 30.0, 12, 30
 _ROUGH = 0.3
 """Share of the best evidence by which the linear ranking may be wrong."""
 _PASSES = 3
-_WORTH = 9.2
+WORTH = 9.2
 """Evidence that a second name must add, whether or not a test still sees something beside the first."""
 _SPEAKS = 2.0
 _HOPELESS = 100.0
@@ -142,6 +160,44 @@ def search_from(baseline: Linearization, alpha: float, max_effects: int, seed: i
     return onward(baseline, start, gates, first, alpha, max_effects, seed)
 
 
+UNTRIED, NO_GAIN, FAILS, PASSES = "untried", "no gain", "fails", "passes"
+_OUTCOMES = {
+    # one effect, two effects: answer
+    (PASSES, UNTRIED): "one",
+    (PASSES, NO_GAIN): "one",
+    (PASSES, FAILS): "one",
+    (PASSES, PASSES): "two",
+    (FAILS, UNTRIED): "none",
+    (FAILS, NO_GAIN): "another one",  # which the search for two may have come upon
+    (FAILS, FAILS): "none",
+    (FAILS, PASSES): "two",
+}
+"""The answer by what the tests say of the best explanation by one effect, and by two.
+
+Two are tried where one fails, and where one passes but the evidence is for two: as the better part of two a wrong name
+may pass all tests."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """Explanations by one number of effects, and what the tests say of the best.
+
+    Attributes
+    ----------
+    view, null, fits : the view at the best, the fit without effects there, and all fits, the best first
+    gates : tests for more than the best has
+    outcome : passes, fails, or no gain over fewer effects
+    gain : evidence of the best over that of fewer effects
+    """
+
+    view: Linearization
+    null: Fit
+    fits: list[Fit]
+    gates: tuple[LackOfFit, ...] = ()
+    outcome: str = UNTRIED
+    gain: float = 0.0
+
+
 def onward(
     baseline: Linearization,
     start: Linearization,
@@ -151,67 +207,78 @@ def onward(
     max_effects: int,
     seed: int,
 ) -> Selection:
-    """Go on from the single effects: one is enough, two are needed, or none will do.
-
-    Two are tried where a test sees more than one explains, and where none does but the evidence is for two: as the
-    better part of two a wrong name may pass all tests.
+    """Go on from the single effects; the answer is that of `_OUTCOMES`.
 
     The search began at `start`, the baseline with further parameters of effects where they begin.
     """
-    problem, noise, values = baseline.problem, baseline.noise, baseline.values
-    (view, null, fits), own = _tested(first, alpha, seed)
-    found: dict[int, list[Fit]] = {1: fits}
-    gates = (*gates, *own)
-    admissible = _admissible(fits, null, view)
-    one = Selection(baseline, view, null, found, gates, 1, False, ())
-    quiet = admissible and not any(gate.alarm for gate in own)
-    if quiet and (max_effects < 2 or _second(view) <= _WORTH):
-        return one
-    if max_effects >= 2:
-        begin = initial_values(view, _least(float(view.rest[2].singles()[0].max(initial=-np.inf))))
-        both, null2, pairs = _pairs(
-            problem, _with_initial_values(start, begin), _with_initial_values(view, begin), noise, fits
-        )
-        found[2] = pairs
-        alone = _alone(both, pairs, fits[:1] if quiet else [])
-        single = max((fit.evidence for fit in alone), default=null2.evidence)
-        gain = pairs[0].evidence - single if pairs else 0.0
-        if gain > _WORTH and not refused(pairs[0], both):
-            (both, null2, pairs), last = _tested((both, null2, pairs), alpha, seed)
-            found[2], gates = pairs, (*gates, *last)
-            if _admissible(pairs, null2, both) and not any(gate.alarm for gate in last):
-                doubts = (alternative_caveat(one.names(fits[0])[0], gain),) if quiet else ()
-                return Selection(baseline, both, null2, found, gates, 2, False, doubts)
-            if not quiet:
-                return Selection(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), both)
-        elif not quiet and alone and alone[0].evidence - null2.evidence > _SPEAKS and alone[0].model != fits[0].model:
-            known = {fit.model: fit for fit in (*fits, *alone)}
-            (view, null, fits), own = _tested(_singles(problem, start, noise, both, known), alpha, seed)
-            found, admissible, gates = {1: fits}, _admissible(fits, null, view), (*gates, *own)
-            if admissible and not any(gate.alarm for gate in own):
-                return Selection(baseline, view, null, found, gates, 1, False, ())
-    if quiet:
-        return one
-    outside = not admissible or any(gate.alarm for gate in own)
-    doubt = "the tests see a little more than this, but nothing that a second name would explain"
-    if outside:
-        return Selection(baseline, baseline, refit(baseline, (), values), found, gates, 0, True, (), view)
-    return Selection(baseline, view, null, found, gates, 1, False, (doubt,))
+    one = trial(first, baseline, alpha, seed)
+    two, alone = None, list[Fit]()
+    if max_effects >= 2 and (one.outcome == FAILS or second_effect(one.view) > WORTH):
+        two, alone = _two(baseline, start, one, alpha, seed)
+    answer = _OUTCOMES[one.outcome, two.outcome if two else UNTRIED]
+    if answer == "another one" and two:
+        again = _another(baseline, start, one, two, alone, alpha, seed)
+        one, two = (again, None) if again else (one, two)
+        answer = "one" if one.outcome == PASSES else "none"
+    fits = {1: one.fits} | ({2: two.fits} if two else {})
+    gates = (*gates, *one.gates)
+    if answer == "one":
+        return Selection(baseline, one.view, one.null, fits, gates, 1, False, ())
+    gates = (*gates, *(two.gates if two else ()))
+    if answer == "two" and two:
+        name = baseline.problem.candidates[one.fits[0].model[0]].name
+        doubts = (alternative_caveat(name, two.gain),) if one.outcome == PASSES else ()
+        return Selection(baseline, two.view, two.null, fits, gates, 2, False, doubts)
+    closest = two.view if two and two.outcome == FAILS else one.view
+    return Selection(baseline, baseline, refit(baseline, (), baseline.values), fits, gates, 0, True, (), closest)
 
 
-def _second(view: Linearization) -> float:
-    """Return the evidence, on the linear model, that the best two effects have more than the best one."""
-    return float(view.gram.pairs().evidence.max(initial=-np.inf) - view.gram.singles()[0].max(initial=-np.inf))
-
-
-def _tested(found: Fits, alpha: float, seed: int) -> tuple[Fits, tuple[LackOfFit, ...]]:
-    """Return the tests for more than the best explanation has; rows on which an alarm rests alone are left out."""
+def trial(found: Fits, baseline: Linearization, alpha: float, seed: int) -> Trial:
+    """Test the best of some explanations; rows on which an alarm rests alone are left out."""
     view, null, fits = found
     reduced, gates = drop_single_row_alarms(view, alpha, seed)
     if reduced is not view:
         known = {fit.model: fit for fit in fits}
-        null, fits = refit(reduced, (), null.by_key()), _fitted(reduced, list(known), known)
-    return (reduced, null, fits), gates
+        null, fits = refit(reduced, (), null.by_key()), fit_models(reduced, list(known), known)
+    good = _admissible(fits, null, reduced, baseline) and not any(gate.alarm for gate in gates)
+    return Trial(reduced, null, fits, gates, PASSES if good else FAILS)
+
+
+def _two(baseline: Linearization, start: Linearization, one: Trial, alpha: float, seed: int) -> tuple[Trial, list[Fit]]:
+    """Try two effects; return the trial, and the fits of its best two and, if that passes, the best one, each alone."""
+    begin = initial_values(one.view, _least(float(one.view.rest[2].singles()[0].max(initial=-np.inf))))
+    views = _with_initial_values(start, begin), _with_initial_values(one.view, begin)
+    view, null, fits = fit_pairs(baseline.problem, *views, baseline.noise, one.fits)
+    alone = _alone(view, fits, one.fits[:1] if one.outcome == PASSES else [])
+    single = max((fit.evidence for fit in alone), default=null.evidence)
+    gain = fits[0].evidence - single if fits else 0.0
+    if gain <= WORTH or refused(fits[0], view):
+        return Trial(view, null, fits, (), NO_GAIN, gain), alone
+    return replace(trial((view, null, fits), baseline, alpha, seed), gain=gain), alone
+
+
+def _another(
+    baseline: Linearization,
+    start: Linearization,
+    one: Trial,
+    two: Trial,
+    alone: list[Fit],
+    alpha: float,
+    seed: int,
+) -> Trial | None:
+    """Try the single effect that the search for two found to be better; None where it found none."""
+    better = [fit for fit in alone[:1] if fit.evidence - two.null.evidence > _SPEAKS]
+    if not better or better[0].model == one.fits[0].model:
+        return None
+    known = {fit.model: fit for fit in (*one.fits, *alone)}
+    found = _singles(baseline.problem, start, baseline.noise, two.view, known)
+    again = trial(found, baseline, alpha, seed)
+    return replace(again, gates=(*one.gates, *again.gates))
+
+
+def second_effect(view: Linearization) -> float:
+    """Return the evidence, on the linear model, that the best two effects have more than the best one."""
+    return float(view.gram.pairs().evidence.max(initial=-np.inf) - view.gram.singles()[0].max(initial=-np.inf))
 
 
 def _with_initial_values(view: Linearization, begin: dict[str, float]) -> Linearization:
@@ -219,8 +286,16 @@ def _with_initial_values(view: Linearization, begin: dict[str, float]) -> Linear
     return Linearization.at(view.problem, {**view.values, **begin}, view.model, view.noise) if begin else view
 
 
-def _admissible(fits: list[Fit], null: Fit, view: Linearization) -> bool:
-    return bool(fits) and not refused(fits[0], view) and fits[0].evidence - null.evidence > _SPEAKS
+def _admissible(fits: list[Fit], null: Fit, view: Linearization, baseline: Linearization) -> bool:
+    if not fits or refused(fits[0], view) or fits[0].evidence - null.evidence <= _SPEAKS:
+        return False
+    return not leaves_most(view, baseline)
+
+
+def leaves_most(view: Linearization, baseline: Linearization) -> bool:
+    """Whether an explanation leaves most of a misfit that is far beyond the noise as it is known."""
+    before, after = (float(np.mean(each.raw[each.used] ** 2)) for each in (baseline, view))
+    return before > _VISIBLE**2 and after > _LEFT_OVER * before
 
 
 def _alone(view: Linearization, pairs: list[Fit], others: list[Fit]) -> list[Fit]:
@@ -247,7 +322,7 @@ def _singles(
             dict.fromkeys([*models, *(model for model in starts if len(model) == 1 and _near(starts, model))])
         )
         null = refit(view, (), baseline.values)
-        fits = _fitted(view, models, starts)
+        fits = fit_models(view, models, starts)
         starts.update({fit.model: fit for fit in fits})
         if not fits:
             return view, null, fits
@@ -258,20 +333,21 @@ def _singles(
     return view, null, fits
 
 
-def _pairs(
+def fit_pairs(
     problem: Problem, baseline: Linearization, single: Linearization, noise: Noise, singles: list[Fit]
-) -> tuple[Linearization, Fit, list[Fit]]:
+) -> Fits:
+    """Return the view at the best pair of effects, the fit without any there, and all fits, the best first."""
     view, best, starts = single, None, {fit.model: fit for fit in singles}
     views = [baseline, single]
     for _ in range(_PASSES):
         models: dict[tuple[int, ...], None] = {} if best is None else {best: None}
         for each in views:
-            pairs = each.gram.pairs()
-            visible = (each.gram.norm[pairs.first] > 0.0) & (each.gram.norm[pairs.second] > 0.0)
-            for n in _leaders(pairs.evidence, visible, _PAIRS // len(views) + 3):
-                models[int(pairs.first[n]), int(pairs.second[n])] = None
+            linear = each.gram.pairs()
+            visible = (each.gram.norm[linear.first] > 0.0) & (each.gram.norm[linear.second] > 0.0)
+            for n in _leaders(linear.evidence, visible, _PAIRS // len(views) + 3):
+                models[int(linear.first[n]), int(linear.second[n])] = None
         null = refit(view, (), baseline.values)
-        fits = _fitted(view, list(models), starts)
+        fits = fit_models(view, list(models), starts)
         starts.update({fit.model: fit for fit in fits})
         if not fits or fits[0].model == best:
             break
@@ -300,7 +376,7 @@ def _least(best: float) -> float:
     return best - max(_LEFT, _ROUGH * best)
 
 
-def _fitted(view: Linearization, models: Iterable[tuple[int, ...]], known: dict[tuple[int, ...], Fit]) -> list[Fit]:
+def fit_models(view: Linearization, models: Iterable[tuple[int, ...]], known: dict[tuple[int, ...], Fit]) -> list[Fit]:
     """Fit explanations; the best one, where it has not settled, until it does or gains no more."""
     fits, limit = list[Fit](), np.inf
     for model in models:

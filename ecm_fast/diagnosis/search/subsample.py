@@ -18,18 +18,19 @@ from .fit import Fit, refit
 from .odds import alternative_caveat
 from .outliers import drop_single_row_alarms
 from .selection import (
-    _WORTH,
     LIMITS,
+    PASSES,
+    WORTH,
     Fits,
     Selection,
-    _fitted,
-    _pairs,
-    _second,
-    _tested,
+    fit_models,
+    fit_pairs,
     onward,
     refused,
     search,
     search_from,
+    second_effect,
+    trial,
 )
 
 __all__ = ["ENOUGH", "evenly", "search_all"]
@@ -100,7 +101,7 @@ def _confirmed(
         return one if one.effects else two
     found = _to_all(problem, baseline, few, singles)
     one = onward(baseline, baseline, gates, found, alpha, 1, seed)
-    asked = max_effects > 1 and found[2] and (not one.effects or _second(found[0]) > _WORTH)
+    asked = max_effects > 1 and found[2] and (not one.effects or second_effect(found[0]) > WORTH)
     pairs = _pairs_of(few, found) if asked else []
     if not pairs:
         return one
@@ -121,7 +122,7 @@ def _to_all(problem: Problem, baseline: Linearization, few: Selection, near: lis
     known = {key: value for key, value in few.view.values.items() if key not in sizes}  # another name may be best here
     for _ in range(_PASSES):
         view = Linearization.at(problem, {**known, **best.by_key()}, best.model, baseline.noise)
-        fits = _fitted(view, [fit.model for fit in near], {fit.model: fit for fit in near})
+        fits = fit_models(view, [fit.model for fit in near], {fit.model: fit for fit in near})
         near = _near(fits, view, LIMITS[len(best.model)])
         if not near or near[0].model == best.model:
             break
@@ -143,9 +144,9 @@ def _pairs_of(few: Selection, found: Fits) -> list[Fit]:
     order = np.argsort(-evidence)[:_MOST]
     models = [(int(pairs.first[n]), int(pairs.second[n])) for n in order
               if evidence[n] > evidence[order[0]] - LIMITS[2] - _SLACK]  # fmt: skip
-    _, _, rough = _pairs(few.view.problem, few.baseline, few.view, few.view.noise, few.fits[1])
+    _, _, rough = fit_pairs(few.view.problem, few.baseline, few.view, few.view.noise, few.fits[1])
     others = [fit for fit in _near(rough, few.view, LIMITS[2]) if first not in fit.model]
-    return [*_fitted(few.view, models, {fit.model: fit for fit in (*fits, *rough)}), *others]
+    return [*fit_models(few.view, models, {fit.model: fit for fit in (*fits, *rough)}), *others]
 
 
 def _of_two(
@@ -158,12 +159,11 @@ def _of_two(
     enough: str = "",
 ) -> Selection:
     """Return whether two effects are enough, and better than the `singles`; `enough` names one that passes alone."""
-    (view, null, fits), last = _tested(found, alpha, seed)
-    alone = [refit(view, fit.model, fit.by_key()) for fit in singles]
-    tried = {1: alone, 2: fits}
-    gain = fits[0].evidence - max(fit.evidence for fit in (null, *alone)) if fits else 0.0
-    if gain > _WORTH and not refused(fits[0], view) and not any(gate.alarm for gate in last):
+    two = trial(found, baseline, alpha, seed)
+    alone = [refit(two.view, fit.model, fit.by_key()) for fit in singles]
+    fits, gates = {1: alone, 2: two.fits}, (*gates, *two.gates)
+    gain = two.fits[0].evidence - max(fit.evidence for fit in (two.null, *alone)) if two.fits else 0.0
+    if gain > WORTH and two.outcome == PASSES:
         doubts = (alternative_caveat(enough, gain),) if enough else ()
-        return Selection(baseline, view, null, tried, (*gates, *last), 2, False, doubts)
-    without = refit(baseline, (), baseline.values)
-    return Selection(baseline, baseline, without, tried, (*gates, *last), 0, True, (), view)
+        return Selection(baseline, two.view, two.null, fits, gates, 2, False, doubts)
+    return Selection(baseline, baseline, refit(baseline, (), baseline.values), fits, gates, 0, True, (), two.view)
