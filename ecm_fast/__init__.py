@@ -54,7 +54,7 @@ _HOME = {
     "diagnosis": ("Diagnosis", "Plan", "Study", "diagnose", "plan"),
     "mesh.discretization": ("Discretization",),
     "mechanism.catalogue": ("CATALOGUE", "Effect", "also"),
-    "models.user_effects": ("effect", "remove_effect"),
+    "models.user_effects": ("effect", "load_effects", "remove_effect"),
     "studies.elements.candidates": ("Candidate",),
     "studies.elements.errors": ("LoadSet",),
     "studies.elements.study": ("Choice", "ElementStudy", "choose_discretization", "study_elements"),

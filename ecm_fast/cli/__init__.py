@@ -7,13 +7,12 @@ arguments must not wait for the compiler.
 
 import json
 import os
-import runpy
 import sys
 import traceback
 from collections.abc import Sequence
 
-from ..errors import InputError, NotConverged, why
-from ..files import inputs_kept, read_whole
+from ..errors import InputError, NotConverged
+from ..files import inputs_kept
 from . import (
     bench,
     diagnose,
@@ -104,7 +103,9 @@ def _run(words: list[str]) -> int:
         return DONE
     _check_environment()
     if args.plugin:
-        _load(args.plugin)
+        from ..models.user_effects import load_effects
+
+        load_effects(args.plugin)
     answer = COMMANDS[args.command].run(args)
     for line in answer.notes:
         note(line)
@@ -114,20 +115,6 @@ def _run(words: list[str]) -> int:
     for line in answer.after() if answer.after else ():
         note(line)
     return answer.code
-
-
-def _load(path: str) -> None:
-    """Run a Python file of the user's."""
-    try:
-        read_whole(path)  # so that it is an input as others are
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read ({why(error)})") from None
-    try:
-        runpy.run_path(path)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-    except (Exception, SystemExit) as error:
-        raise InputError(f"{path}: {type(error).__name__}: {error}") from None
 
 
 def _failed(text: str, code: int) -> int:

@@ -11,12 +11,15 @@ True
 >>> ecm.remove_effect("cable_drag")
 """
 
-from collections.abc import Callable, Sequence
+import inspect
+import os
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
 
-from ..errors import InputError, did_you_mean
+from ..errors import InputError, did_you_mean, why
+from ..files import read_whole
 from ..kernels.layout import N_USER
 from ..kernels.user_laws import LAWS, MOST_LAWS, N_LAW
 from ..mechanism.catalogue import CATALOGUE, Effect, Mirror, declare
@@ -25,7 +28,7 @@ from ..mechanism.quantity import Quantity
 from ..mechanism.vector import tail
 from .instruments.history import USER_ROWS
 
-__all__ = ["effect", "remove_effect"]
+__all__ = ["effect", "load_effects", "make_effects", "remove_effect", "sources"]
 
 Law = Callable[..., Any]
 _ENTERS: dict[str, Any] = {"section": "section", "head": "environment", "rows": "path"}
@@ -33,6 +36,7 @@ _LAWS: dict[str, dict[str, Law]] = {"section": {}, "head": {}}
 _COORDINATES = {"section": 4, "head": 3}
 _ALIVE: list[Any] = []  # compiled laws, whose addresses are in the kernels' table for good
 _ADDRESSES = {"section": 0, "head": 0}
+_LOADED: dict[str, str] = {}  # the text of files of effects, by the names they were run under
 _PROBES = np.array([[0.96, 0.01, 3.0, 0.3], [1.02, -0.02, -2.0, 0.8], [0.9, 0.03, 0.5, 0.6]])
 _SYMMETRY = 1e-9  # share of the tangent by which rounding may break its symmetry
 
@@ -118,6 +122,64 @@ def remove_effect(name: str) -> None:
         laws.pop(name, None)
         _compile(enters)  # places have moved
     _enter()
+
+
+def load_effects(path: str | os.PathLike[str]) -> None:
+    """Run a Python file that adds effects. Its text goes with a sweep to workers, which then know them too.
+
+    Raises
+    ------
+    InputError : the file cannot be read, or fails; names it and why.
+    """
+    try:
+        text = read_whole(path).decode("utf-8-sig")
+    except (OSError, ValueError) as error:
+        raise InputError(f"{os.fspath(path)}: cannot be read ({why(error)})") from None
+    _run(text, os.fspath(path))
+
+
+def sources() -> dict[str, str]:
+    """Return what makes each added effect, by its name: the text of the file that was loaded, else that of its law."""
+    laws = {**USER_ROWS, **_LAWS["section"], **_LAWS["head"]}
+    return {name: _source(laws[name]) for name in CATALOGUE if name in laws}
+
+
+def make_effects(added: Mapping[str, str]) -> None:
+    """Add the effects of `sources` that this process does not know yet.
+
+    Raises
+    ------
+    InputError : one cannot be made here, since its law was not defined in a file that was loaded; or another of the
+        same name is known already.
+    """
+    known = sources()
+    for name, text in added.items():
+        if known.get(name, text) != text:
+            raise InputError(f"effect {name!r} is another one here; start this worker anew")
+        if name not in CATALOGUE:
+            _run(text, f"the source of effect {name!r}")
+        if name not in CATALOGUE:
+            raise InputError(f"effect {name!r} is not known here; define it in a file for load_effects or --plugin")
+
+
+def _source(law: Law) -> str:
+    code: Any = law.__code__
+    if code.co_filename in _LOADED:
+        return _LOADED[code.co_filename]
+    try:
+        return inspect.getsource(law)
+    except OSError:  # typed at a prompt
+        return f"# {code.co_code.hex()} {code.co_consts!r}"
+
+
+def _run(text: str, name: str) -> None:
+    _LOADED[name] = text
+    try:
+        exec(compile(text, name, "exec"), {"__name__": "ecm_fast_plugin", "__file__": name})
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from None
+    except (Exception, SystemExit) as error:
+        raise InputError(f"{name}: {type(error).__name__}: {error}") from None
 
 
 def _check_name(own: Effect) -> None:

@@ -1,10 +1,12 @@
 """Sweeps: which cases they solve, what they keep, and that neither stops nor workers change a byte of it."""
 
 import csv
+import hashlib
 import itertools
 import json
 import math
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -23,7 +25,6 @@ import ecm_fast as ecm
 from ecm_fast.errors import InputError
 from ecm_fast.files import write_whole
 from ecm_fast.studies.sweeps import read_spec, sweep
-from ecm_fast.studies.sweeps.parquet import parquet_file
 from ecm_fast.studies.sweeps.sampling import cases
 from ecm_fast.studies.sweeps.scheduler import TRIES, run
 from ecm_fast.studies.sweeps.statistics import Channel
@@ -141,23 +142,6 @@ def test_rows_are_the_models_own_solves(tmp_path: Path) -> None:
     assert not any(entry.nullable for entry in schema)
     assert [schema.field(i).metadata[b"unit"] for i in range(4)] == [b"N", b"N", b"N m^2", b"N"]
     assert json.loads(schema.metadata[b"ecm_fast"])["statuses"]["converged"] == 3000 - 5 * 512
-
-
-@pytest.mark.parametrize("rows", [1, 8, 1001])
-@pytest.mark.parametrize("width", [1, 14, 40])
-def test_another_reader_finds_what_was_written(rows: int, width: int, tmp_path: Path) -> None:
-    """pyarrow reads every number and key."""
-    rng = np.random.default_rng(0)
-    columns = {f"column {i}": values for i, values in enumerate(rng.normal(size=(width, rows)))}
-    columns["column 0"][0] = np.nan
-    for codes in (np.zeros(rows, dtype=np.int64), rng.integers(0, 5, rows)):
-        said = {b"key": bytes(range(1, 128)) * 5}
-        path = write_whole(tmp_path / "table", parquet_file(columns, ("code", codes, 5), said, "test version 1.0"))
-        table = parquet.read_table(path)
-        assert table.column_names == [*columns, "code"]
-        for name, values in {**columns, "code": codes}.items():
-            assert np.array_equal(table[name].to_numpy(), values, equal_nan=name != "code")
-        assert parquet.read_metadata(path).metadata == said
 
 
 def test_the_order_of_a_grid_does_not_change_its_poses(tmp_path: Path) -> None:
@@ -285,6 +269,112 @@ def test_a_file_that_was_cut_off_is_written_again(tmp_path: Path) -> None:
     assert contents(tmp_path) == whole
 
 
+@pytest.mark.parametrize("damage", ["a byte", "a hole", "the checksums"])
+def test_a_damaged_file_is_found_and_written_again(damage: str, tmp_path: Path) -> None:
+    """Truth: the bytes of the sweep that nobody disturbed."""
+    whole = contents(sweep(SMALL, tmp_path).folder)
+    size = len(whole["rows-0000001.parquet"])
+    places = (6, size // 3, size // 2, size - 300, size - 20)  # rows and what the file says about itself
+    for place in places if damage != "the checksums" else (100,):
+        name = "rows.sha256" if damage == "the checksums" else "rows-0000001.parquet"
+        content = bytearray(whole[name])
+        if damage == "a hole":
+            content[place : place + 16] = bytes(16)
+        else:
+            content[place] ^= 1
+        if bytes(content) == whole[name]:
+            continue
+        (tmp_path / name).write_bytes(content)
+        assert sweep(SMALL, tmp_path).solved == 512
+        assert contents(tmp_path) == whole
+
+
+def test_the_checksums_are_those_that_sha256sum_reads(tmp_path: Path) -> None:
+    """The tool of the coreutils, where there is one."""
+    done = sweep(SMALL, tmp_path)
+    lines = (tmp_path / "rows.sha256").read_text().splitlines()
+    assert lines == [f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}" for path in done.files]
+    if tool := shutil.which("sha256sum"):
+        subprocess.run([tool, "--check", "--quiet", "rows.sha256"], cwd=tmp_path, check=True)
+
+
+@pytest.mark.parametrize("keep", ["rows", "statistics"])
+def test_results_of_another_sweep_do_not_come_back(keep: str, tmp_path: Path) -> None:
+    """Truth: the same sweep in a folder of its own; here another and longer one left its files without sweep.json."""
+    sweep(changed(SMALL, keep=keep, cases=4000), tmp_path / "own")
+    (tmp_path / "own" / "sweep.json").unlink()
+    other = changed(SMALL, keep=keep, seed=6)
+    done = sweep(other, tmp_path / "own")
+    assert done.solved == 3000
+    assert contents(done.folder) == contents(sweep(other, tmp_path / "fresh").folder)
+
+
+def test_a_damaged_checkpoint_is_not_gone_on_from(tmp_path: Path) -> None:
+    """One digit of a sum changed: JSON alone does not notice."""
+    whole = contents(sweep(changed(SMALL, keep="statistics"), tmp_path).folder)
+    text = whole["statistics.json"].decode()
+    place = text.index('"sums": [') + 9
+    (tmp_path / "statistics.json").write_text(f"{text[:place]}7{text[place + 1 :]}")
+    assert sweep(changed(SMALL, keep="statistics"), tmp_path).solved == 3000
+    assert contents(tmp_path) == whole
+
+
+OWN = """
+import numpy as np
+import ecm_fast as ecm
+
+FACTOR = 0.5
+
+
+@ecm.effect("cable_pull", unit="N m", typical=0.5, enters="head", law="tau - a/2 sin(theta)", mirror="even")
+def cable_pull(a, x, z, theta):
+    return 0.0, 0.0, -FACTOR * a * np.sin(theta)
+"""
+
+
+@pytest.mark.parametrize("keep", ["rows", "statistics"])
+@pytest.mark.parametrize("form", ["varied", "fixed", "built", "unused"])
+def test_a_sweep_with_an_effect_of_the_users_own(
+    form: str, keep: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Truth: the model's single solves of the same mechanism with the effect."""
+    from ecm_fast.cli import main
+
+    (tmp_path / "own.py").write_text(OWN)
+    (tmp_path / "neck.toml").write_text("[effects]\ncable_pull = 0.4\n" if form == "built" else "")
+    given = {"varied": "cable_pull = [0.0, 1.0]\n", "fixed": "cable_pull = 0.3\n"}.get(form, "")
+    settings = f"[sweep]\ncases = 200\nchunk = 64\nkeep = '{keep}'\nmechanism = 'neck.toml'\n"
+    (tmp_path / "spec.toml").write_text(f"{settings}[inputs]\nlam_l = [0, 90]\n{given}")
+    words = ["sweep", str(tmp_path / "spec.toml"), "--plugin", str(tmp_path / "own.py"), "--out", str(tmp_path / "out")]
+    try:
+        assert main([*words, "--json"]) == 0, capsys.readouterr().err
+        assert json.loads(capsys.readouterr().out)["statuses"]["converged"] == 200
+        if keep == "rows":
+            rows = columns_of(tmp_path / "out")
+            size = rows.get("effects.cable_pull", np.full(200, {"fixed": 0.3, "built": 0.4}.get(form, 0.0)))
+            for i in (0, 70, 199):
+                neck = ecm.Mechanism().replace(cable_pull=float(size[i]))
+                eq = ecm.FiniteElementModel(neck).solve((rows["lam_l_N"][i], 0.0))
+                assert rows["theta_rad"][i] == pytest.approx(eq.theta, abs=1e-8)
+    finally:
+        ecm.remove_effect("cable_pull")
+
+
+def test_processes_know_the_effects_of_a_file(tmp_path: Path) -> None:
+    """A spawned process has not run the file; its text goes with the sweep. Truth: the rows of this process."""
+    (tmp_path / "own.py").write_text(OWN)
+    spec = changed({**SMALL, "inputs": {**LAM, "cable_pull": [0.0, 1.0]}}, cases=1000)
+    ecm.load_effects(tmp_path / "own.py")
+    try:
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+            theirs = columns_of(sweep(spec, tmp_path / "theirs", executor=pool).folder)
+        mine = columns_of(sweep(spec, tmp_path / "mine").folder)
+    finally:
+        ecm.remove_effect("cable_pull")
+    for name, values in mine.items():
+        assert theirs[name] == pytest.approx(values, abs=1e-12)
+
+
 def test_a_killed_process_leaves_what_the_next_one_needs(tmp_path: Path) -> None:
     """Contract: the bytes of an uninterrupted run, after SIGKILL."""
     spec = tmp_path / "spec.toml"
@@ -306,7 +396,7 @@ def test_a_killed_process_leaves_what_the_next_one_needs(tmp_path: Path) -> None
 
 HOLD = """
 import os, sys, time
-from ecm_fast.sweeps import sweep
+from ecm_fast.studies.sweeps import sweep
 
 def hold(done, cases):
     child = os.fork() if hasattr(os, "fork") else -1

@@ -1,22 +1,20 @@
 """The rows of a chunk as a Parquet file with its metadata."""
 
-import base64
 import functools
+import hashlib
 import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ... import __version__
 from ...errors import InputError
 from ...mechanism.parameters import find
 from ...models.equilibrium import Status
 from .chunk import Solved
-from .parquet import parquet_file
 from .spec import LOADS, OUTPUTS, Input, SweepSpec, column
 
-__all__ = ["FAILURES", "encode", "failures", "label", "need_pyarrow"]
+__all__ = ["FAILURES", "checksum", "encode", "failures", "label", "need_pyarrow"]
 
 FAILURES = 100
 """How many failed cases a chunk lists with their inputs."""
@@ -50,21 +48,29 @@ def label(path: Path) -> dict[str, Any] | None:
     return found
 
 
-def encode(spec: SweepSpec, number: int, solved: Solved) -> tuple[dict[str, int], list[bytes | memoryview]]:
-    """Return counts by status and the file of a chunk's rows, as parts that lie in what was solved, see `parquet`.
+def encode(spec: SweepSpec, number: int, solved: Solved) -> tuple[dict[str, int], memoryview]:
+    """Return counts by status and the file of a chunk's rows; the same rows give the same bytes.
 
-    Numbers are stored as they are: to compress random digits costs more than it saves. The same rows give the same
-    bytes.
+    Numbers are stored as they are: to compress random digits, or to look for the extremes of a page, costs more than
+    it saves.
     """
+    import pyarrow as pa
+    from pyarrow import parquet
+
     result, statuses = solved.result, solved.result.counts()
     failed = failures(spec, number, solved) if statuses["converged"] < len(result) else []
     about = {"sweep": spec.digest, "chunk": number, "statuses": statuses, "failures": failed}
-    columns = {column(name): values for name, values in solved.inputs.items()}
-    columns |= zip(OUTPUTS, (result.x, result.z, result.theta), strict=True)
-    said = {_KEY: json.dumps(about).encode()}
-    said[b"ARROW:schema"] = base64.b64encode(_schema(spec.varied).with_metadata(said).serialize())
-    codes = "status", result.status, len(Status)
-    return statuses, parquet_file(columns, codes, said, f"ecm_fast version {__version__}")
+    schema = _schema(spec.varied).with_metadata({_KEY: json.dumps(about).encode()})
+    columns = [*solved.inputs.values(), result.x, result.z, result.theta, result.status.astype(np.int8)]
+    sink = pa.BufferOutputStream()
+    table = pa.table([pa.array(values) for values in columns], schema=schema)
+    parquet.write_table(table, sink, compression="none", use_dictionary=["status"], write_statistics=False)
+    return statuses, memoryview(sink.getvalue())
+
+
+def checksum(content: bytes | memoryview) -> str:
+    """Return the checksum of a file, as the program ``sha256sum`` writes it."""
+    return hashlib.sha256(content).hexdigest()
 
 
 @functools.lru_cache(maxsize=8)

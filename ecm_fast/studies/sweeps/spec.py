@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from ... import __version__
 from ...mechanism.mechanism import Mechanism
-from ...mechanism.parameters import PARAMETERS, find
+from ...mechanism.parameters import PARAMETERS, find, index
 from ...mechanism.vector import pack, unpack
+from ...models.user_effects import make_effects, sources
 
 __all__ = ["CHUNK", "LOADS", "OUTPUTS", "Input", "SweepSpec", "column", "limits"]
 
@@ -129,16 +130,22 @@ class SweepSpec:
         if self.path is None:
             del content["path"]  # as in sweeps that were begun before there was this choice
         content["inputs"] = [[i.name, i.kind, list(i.numbers), i.steps] for i in self.inputs]
-        content["mechanism"] = dict(zip(_KEYS, pack(self.mechanism).tolist(), strict=True))
-        return json.dumps({"ecm_fast": __version__, **content})
+        keys = [entry.key for entry in PARAMETERS]  # those of effects that a user adds come last, and behind them
+        content["mechanism"] = dict(zip(keys, pack(self.mechanism).tolist(), strict=False))  # what belongs to a process
+        added = sources()
+        return json.dumps({"ecm_fast": __version__, **content, **({"user_effects": added} if added else {})})
 
     @classmethod
     def of_text(cls, text: str) -> "SweepSpec":
         """Return the sweep whose `text` this is."""
         content: dict[str, Any] = json.loads(text)
         del content["ecm_fast"]
+        make_effects(content.pop("user_effects", {}))
         content["inputs"] = tuple(Input(n, kind, tuple(numbers), s) for n, kind, numbers, s in content["inputs"])
-        content["mechanism"] = unpack(np.array([content["mechanism"][key] for key in _KEYS]))
+        par = pack(Mechanism())
+        for key, value in content["mechanism"].items():
+            par[index(key)] = value
+        content["mechanism"] = unpack(par)
         content["ranges"] = tuple(tuple(entry) for entry in content["ranges"])
         return cls(**content)
 
@@ -169,6 +176,3 @@ class SweepSpec:
     def __repr__(self) -> str:
         names = ", ".join(entry.name for entry in self.varied)
         return f"SweepSpec({self.cases} cases, {self.sample} over {names}; keeps {self.keep})"
-
-
-_KEYS = [entry.key for entry in PARAMETERS]
