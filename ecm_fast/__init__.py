@@ -39,7 +39,7 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time `__getattr__` im
         training_rows,
     )
     from .models.stepper import Stepper
-    from .models.user_effects import effect, remove_effect
+    from .models.user_effects import effect, load_effects, remove_effect
     from .studies.elements.candidates import Candidate
     from .studies.elements.errors import LoadSet
     from .studies.elements.study import Choice, ElementStudy, choose_discretization, study_elements
@@ -149,6 +149,7 @@ __all__ = [
     "fit_shear",
     "hide",
     "identify",
+    "load_effects",
     "pack",
     "plan",
     "posterior",

@@ -1,12 +1,13 @@
 """Readers of CSV, Parquet and MATLAB files: tables of bare cells, which `columns` interprets."""
 
 import csv
-import importlib
 import io
 import math
 import os
+import pickle
 import re
-import warnings
+import subprocess
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +18,6 @@ import numpy as np
 from ..errors import InputError, why
 from ..files import read_whole
 from .columns import is_note, match
-from .matlab import Unreadable, read_level5
 
 __all__ = ["RawTable", "read_table", "table_of"]
 
@@ -144,70 +144,28 @@ def _records(reader: Any, start: int, width: int) -> Iterator[tuple[int, list[st
         line = start + reader.line_num + 1  # a quoted cell may hold line breaks: a record counts from its first line
 
 
-def _read_parquet(content: bytes, _: Path) -> RawTable:
-    parquet = _optional("pyarrow.parquet", "a Parquet file")
-    try:
-        table = parquet.ParquetFile(io.BytesIO(content)).read()
-        columns = [
-            (name, column.to_pylist())
-            for name, column in zip(table.column_names, table.columns, strict=True)
-            if not is_note(name) and not name.startswith("__index_level_")  # pandas' own, not the user's
-        ]
-        return RawTable(columns, range(1, table.num_rows + 1), "row")
-    except Exception as error:  # a damaged file makes it raise anything
-        raise InputError(f"not a readable Parquet file ({_reason(error)})") from None
+def _unpacked(content: bytes, path: Path) -> RawTable:
+    """Return the table of a file that a compiled library reads, by `unpack` in a process of its own.
+
+    What the process answers is trusted: it is our own, and could do no more than this one.
+    """
+    ending = path.suffix.lower()
+    found = [str(Path(__file__).parents[2]), *filter(None, sys.path)]
+    # one thread and the system's memory: others map more addresses than a file may take
+    one = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "ARROW_DEFAULT_MEMORY_POOL": "system"}
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", "ecm_fast.data.unpack", ending, os.fspath(path)],
+        input=content,
+        capture_output=True,
+        env={**os.environ, **one, "PYTHONPATH": os.pathsep.join(found)},
+    )
+    if done.returncode:
+        how = f"signal {-done.returncode}" if done.returncode < 0 else f"code {done.returncode}"
+        raise InputError(f"not a readable {ending} file (its reader ended with {how})")
+    answer: RawTable | str = pickle.loads(done.stdout)
+    if isinstance(answer, str):
+        raise InputError(answer)
+    return answer
 
 
-def _read_mat(content: bytes, path: Path) -> RawTable:
-    if content.startswith(b"MATLAB") and content[124:128] == b"\0\2IM":
-        found = _read_mat73(path)
-    else:
-        try:
-            found = read_level5(content)
-        except Exception as error:  # a damaged file makes it raise anything
-            raise InputError(f"not a readable MATLAB file ({_reason(error)})") from None
-    named = {name: value for name, value in found.items() if not name.startswith(("__", "#")) and not is_note(name)}
-    if len(named) == 1:
-        named = _fields(next(iter(named.values()))) or named
-    for name, value in named.items():
-        if isinstance(value, Unreadable) or _fields(value):
-            kind = value.kind if isinstance(value, Unreadable) else "a struct beside others"
-            raise InputError(f"{name} is {kind}; save vectors or one struct alone (of a table T: "
-                             "table2struct(T, 'ToScalar', true)), and text as cellstr")  # fmt: skip
-    return table_of(named)
-
-
-def _read_mat73(path: Path) -> dict[str, Any]:
-    reader = _optional("pymatreader", "a MATLAB file of version 7.3 (or save it with -v7)")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            warnings.simplefilter("error", UserWarning)  # its word for a class it cannot read
-            return dict(sorted(reader.read_mat(str(path)).items()))  # its own order changes from run to run
-    except Exception as error:  # a damaged file makes it raise anything
-        raise InputError(f"not a readable MATLAB 7.3 file ({_reason(error)})") from None
-
-
-def _fields(value: Any) -> dict[str, Any]:
-    """Return the columns of a struct, or of a struct array with one record a row; nothing for anything else."""
-    if isinstance(value, dict):
-        return value
-    if not isinstance(value, list) or not all(isinstance(record, dict) for record in value):
-        return {}
-    return {name: [record.get(name) for record in value] for record in value[:1] for name in record}
-
-
-def _optional(module: str, what: str) -> Any:
-    try:
-        return importlib.import_module(module)
-    except ImportError:
-        name = module.split(".")[0]
-        raise InputError(f"reading {what} needs {name}: pip install 'ecm-fast[data]'") from None
-
-
-def _reason(error: Exception) -> str:
-    """Return a library's message as one short line."""
-    return " ".join(str(error).split())[:200] or type(error).__name__
-
-
-_READERS = {".csv": _read_csv, ".txt": _read_csv, ".parquet": _read_parquet, ".mat": _read_mat}
+_READERS = {".csv": _read_csv, ".txt": _read_csv, ".parquet": _unpacked, ".mat": _unpacked}

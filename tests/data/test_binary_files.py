@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.sparse
 from scipy.io import savemat
 
 from ecm_fast.data.measurements import Measurements, read_measurements
+from ecm_fast.data.unpack import answer
 from ecm_fast.errors import InputError
 
 
@@ -90,8 +92,7 @@ def test_mat_that_cannot_be(tmp_path: Path) -> None:
     assert refused({"run": {"x_m": 1.0}, "z_m": 1.0}) == f"run is a struct beside others; {cure}"
     assert refused({"x_m": np.array([1j, 2])}) == f"x_m is complex; {cure}"
     (tmp_path / "text.mat").write_text("lam_l_N\n" + "1\n" * 99)
-    assert _refused(tmp_path / "text.mat") == ("not a readable MATLAB file (the header is missing, or the file is of "
-                                               "version 4; save it with -v7)")  # fmt: skip
+    assert _refused(tmp_path / "text.mat").startswith("not a readable MATLAB file (")
 
 
 def test_mat_from_a_big_endian_machine(tmp_path: Path) -> None:
@@ -111,9 +112,9 @@ def test_mat_with_a_variable_twice(tmp_path: Path) -> None:
     path = _save_mat(tmp_path / "run.mat", {"fx_N": [1.0]})
     content = path.read_bytes()
     path.write_bytes(content + content[128:])
-    assert _refused(path) == "not a readable MATLAB file (variable 'fx_N' is there twice)"
+    assert _refused(path).startswith('not a readable MATLAB file (Duplicate variable name "fx_N" in stream')
     path.write_bytes(content[:-1])
-    assert _refused(path) == "not a readable MATLAB file (ends in the middle of a variable)"
+    assert _refused(path).startswith("not a readable MATLAB file (")
 
 
 def _write_mat73(path: Path) -> None:
@@ -151,11 +152,12 @@ def test_mat_of_version_73(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     run = read_measurements(path)
     _check_matlab(run)
     assert run.columns == ("experiment", "lam_l_N", "pose_id", "session", "x_mm")
-    path.write_bytes(path.read_bytes()[:700])
+    whole = path.read_bytes()
+    path.write_bytes(whole[:700])
     assert _refused(path).startswith("not a readable MATLAB 7.3 file (")
     monkeypatch.setitem(sys.modules, "pymatreader", None)
-    assert _refused(path) == ("reading a MATLAB file of version 7.3 (or save it with -v7) needs pymatreader: "
-                                  "pip install 'ecm-fast[data]'")  # fmt: skip
+    cure = "needs pymatreader: pip install 'ecm-fast[data]'"
+    assert answer(".mat", whole, path) == f"reading a MATLAB file of version 7.3 (or save it with -v7) {cure}"
 
 
 def _save_parquet(path: Path, columns: dict[str, Any]) -> Path:
@@ -194,4 +196,41 @@ def test_parquet_that_cannot_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert _refused(path).startswith("not a readable Parquet file (Parquet magic bytes not found in footer.")
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
-    assert _refused(path) == "reading a Parquet file needs pyarrow: pip install 'ecm-fast[data]'"
+    assert (
+        answer(".parquet", path.read_bytes(), path)
+        == "reading a Parquet file needs pyarrow: pip install 'ecm-fast[data]'"
+    )
+
+
+def test_small_files_that_unpack_to_all_the_memory_are_refused(tmp_path: Path) -> None:
+    """Zeros pack well: each of these has a few kilobytes or megabytes and asks for one to a hundred gigabytes."""
+    savemat(tmp_path / "v7.mat", {"x_m": np.zeros(30_000_000)}, do_compression=True)
+    pa, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    parquet.write_table(pa.table({"x_m": np.zeros(200_000_000)}), tmp_path / "zeros.parquet", compression="zstd")
+    labels = pa.DictionaryArray.from_arrays(np.zeros(100_000, dtype=np.int32), ["x" * 1_000_000])
+    table = pa.table({"x_m": np.zeros(100_000), "session": labels})
+    parquet.write_table(table, tmp_path / "labels.parquet", compression="zstd", store_schema=False)
+    names = ["v7.mat", "zeros.parquet", "labels.parquet"]
+    if h5py := pytest.importorskip("h5py"):
+        with h5py.File(tmp_path / "v73.mat", "w", userblock_size=512) as file:
+            own = file.create_dataset("x_m", (1, 3_000_000_000), dtype="f8", chunks=(1, 10_000_000), compression="gzip")
+            own.attrs["MATLAB_class"] = np.bytes_("double")
+        with (tmp_path / "v73.mat").open("r+b") as stream:
+            stream.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
+        names.append("v73.mat")
+    for name in names:
+        assert (tmp_path / name).stat().st_size < 4e6
+        assert _refused(tmp_path / name).startswith("unpacks to ")
+
+
+def test_a_reader_that_ends_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """POSIX: a process that a signal ends has its number below zero for a code."""
+    path = _save_mat(tmp_path / "run.mat", {"x_m": [1.0]})
+    monkeypatch.setattr("sys.executable", "/bin/false")
+    assert _refused(path) == "not a readable .mat file (its reader ended with code 1)"
+
+
+def test_objects_of_matlab_are_named(tmp_path: Path) -> None:
+    """SciPy writes and reads sparse matrices; what holds no column is said with the cure."""
+    path = _save_mat(tmp_path / "run.mat", {"x_m": scipy.sparse.eye(3)})
+    assert _refused(path).startswith("x_m is a sparse matrix; save vectors or one struct alone (of a table T: ")

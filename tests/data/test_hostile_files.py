@@ -2,15 +2,22 @@
 
 import io
 import tempfile
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ecm_fast.data import readers
 from ecm_fast.data.columns import COLUMNS
 from ecm_fast.data.measurements import read_measurements
+from ecm_fast.data.unpack import READERS, answer
 from ecm_fast.errors import InputError
 
 pytestmark = pytest.mark.slow
@@ -46,6 +53,29 @@ def damaged(whole: bytes) -> st.SearchStrategy[bytes]:
         return bytes(content[:end])
 
     return st.builds(damage, changes, st.one_of(st.just(len(whole)), st.integers(0, len(whole))))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_process() -> Iterator[None]:
+    """Read binary files in one process that stays: to start one for each takes half a second."""
+
+    def unpacked(content: bytes, path: Path) -> Any:
+        try:
+            found = pools[-1].submit(answer, path.suffix, content, path).result()
+        except BrokenProcessPool:  # what a damaged file can do to SciPy's reader
+            pools.append(ProcessPoolExecutor(1, mp_context=get_context("spawn")))
+            raise InputError("not a readable file (its reader ended)") from None
+        if isinstance(found, str):
+            raise InputError(found)
+        return found
+
+    pools = [ProcessPoolExecutor(1, mp_context=get_context("spawn"))]
+    with pytest.MonkeyPatch.context() as patch:
+        for ending in READERS:
+            patch.setitem(readers._READERS, ending, unpacked)
+        yield
+    for pool in pools:
+        pool.shutdown()
 
 
 def check(content: bytes, ending: str) -> None:
