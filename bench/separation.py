@@ -10,8 +10,8 @@ from ecm_fast.diagnosis.problem.linearization import Linearization
 from ecm_fast.diagnosis.search.calibration import calibrate
 from ecm_fast.diagnosis.search.fit import Fit, refit
 from ecm_fast.diagnosis.search.initial_values import initial_values
-from ecm_fast.diagnosis.study import Study
 from ecm_fast.mechanism.mechanism import Mechanism
+from ecm_fast.studies.diagnosis import Study
 
 __all__ = ["Standing", "beside", "standing"]
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:  # for type checkers and editors; at run time `__getattr__` imports
     from .data import datasets
     from .data.measurements import Measurements, read_measurements
-    from .diagnosis import Diagnosis, Plan, Study, diagnose, plan
+    from .diagnosis import Diagnosis, Plan
     from .errors import EcmError, InputError, NotConverged, OutOfRangeWarning, OutOfReach
     from .identification.identify import identify
     from .identification.material_tests import CompressionFit, fit_compression, fit_shear
@@ -40,6 +40,7 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time `__getattr__` im
     )
     from .models.stepper import Stepper
     from .models.user_effects import effect, load_effects, remove_effect
+    from .studies.diagnosis import Study, diagnose, plan
     from .studies.elements.candidates import Candidate
     from .studies.elements.errors import LoadSet
     from .studies.elements.study import Choice, ElementStudy, choose_discretization, study_elements
@@ -51,7 +52,8 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time `__getattr__` im
 
 _HOME = {
     "data.measurements": ("Measurements", "read_measurements"),
-    "diagnosis": ("Diagnosis", "Plan", "Study", "diagnose", "plan"),
+    "diagnosis": ("Diagnosis", "Plan"),
+    "studies.diagnosis": ("Study", "diagnose", "plan"),
     "mesh.discretization": ("Discretization",),
     "mechanism.catalogue": ("CATALOGUE", "Effect", "also"),
     "models.user_effects": ("effect", "load_effects", "remove_effect"),

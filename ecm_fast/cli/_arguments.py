@@ -24,6 +24,7 @@ __all__ = [
     "mechanism",
     "numbers_by_name",
     "parse",
+    "priors_by_name",
     "tension",
 ]
 
@@ -154,6 +155,20 @@ def numbers_by_name(option: str, given: list[list[str]]) -> dict[str, float]:
         except argparse.ArgumentTypeError as error:
             raise InputError(f"argument {option} {name}: {error}") from None
     return found
+
+
+def priors_by_name(given: list[list[str]]) -> dict[str, tuple[float, float]]:
+    """Return value and standard deviation by name from what --prior was given."""
+    priors = {}
+    for name, *numbers in given:
+        try:
+            value, std = (finite_number(text) for text in numbers)
+        except argparse.ArgumentTypeError as error:
+            raise InputError(f"argument --prior {name}: {error}") from None
+        if name in priors:
+            raise InputError(f"argument --prior {name}: given twice")
+        priors[name] = value, std
+    return priors
 
 
 def tension(text: str) -> float:

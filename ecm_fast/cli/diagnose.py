@@ -7,13 +7,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ._arguments import EXAMPLES, add_noise, finite_number, measurements, mechanism, numbers_by_name
+from ._arguments import (
+    EXAMPLES,
+    add_noise,
+    finite_number,
+    measurements,
+    mechanism,
+    numbers_by_name,
+    priors_by_name,
+)
 from ._command import DONE, Answer, Command, folder, outputs, saved
 from ._terminal import Waiting
 
 if TYPE_CHECKING:
     from ..diagnosis import Diagnosis, Plan
-    from ..diagnosis.design.next_loads import NextLoads
     from ..mechanism.mechanism import Mechanism
 
 __all__ = ["DIAGNOSE", "PLAN", "VERDICT_CODES"]
@@ -21,7 +28,6 @@ __all__ = ["DIAGNOSE", "PLAN", "VERDICT_CODES"]
 VERDICT_CODES = {"named": 10, "family": 11, "outside_catalogue": 12, "nothing_found": 13, "data_gap": 20}
 _CODES = ", ".join(f"{code} {name}" for name, code in VERDICT_CODES.items())
 _SHOWN = 8  # lines that fit a screen
-"""[m, m, rad] of a channel that was not measured."""
 
 
 def _add_common(parser: argparse.ArgumentParser) -> None:
@@ -77,13 +83,11 @@ def _add_diagnose(parser: argparse.ArgumentParser) -> None:
 
 
 def _common(args: argparse.Namespace) -> dict[str, Any]:
-    from .identify import _priors
-
     return {
         "data": [measurements(path, args) for path in args.data],
         "candidates": args.candidates,
         "uncertain": _uncertain(args.uncertain),
-        "priors": _priors(args.prior),
+        "priors": priors_by_name(args.prior),
         "force_sigma": args.force_sigma,
         "alpha": args.alpha,
     }
@@ -109,18 +113,17 @@ def _diagnose(args: argparse.Namespace) -> Answer:
 
 
 def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
-    from ..diagnosis import diagnose
+    from ..studies.diagnosis import Study
 
-    neck, common, tests = mechanism(args), _common(args), [measurements(path, args) for path in args.test]
+    study = Study(mechanism(args), **_common(args), test=[measurements(path, args) for path in args.test],
+                  progress=waiting)  # fmt: skip
     path, page = folder(args.out or "out") / "mechanism.toml", _page_path(args)
     outputs(path, *() if page is None else (page,))
-    found = diagnose(neck, **common, test=tests, progress=waiting)
-    said = found.to_json_dict()
+    found = study.diagnose()
     found.mechanism.to_toml(path, _origin(found, args))
-    waiting("what to measure next")
-    further = _next(neck, said, common)
+    further = study.next_loads(found)
     answer = {
-        **said,
+        **found.to_json_dict(),
         "mechanism": str(path),
         "report": None if page is None else str(page),
         "next": [entry.to_json_dict() for entry in further.suggestions] if further else [],
@@ -131,13 +134,12 @@ def _diagnosed(args: argparse.Namespace, waiting: Waiting) -> Answer:
     code = VERDICT_CODES[found.verdict] if args.exit_code else DONE
 
     def draw(page: Path) -> tuple[str, ...]:
-        waiting("report")
         try:
-            return (f"wrote {_page(page, neck, found, common, further)}",)
+            return (f"wrote {study.page(found, page, further)}",)
         finally:
             waiting.end()
 
-    return Answer(answer, _text(found, neck), notes, code, None if page is None else partial(draw, page))
+    return Answer(answer, _text(found, study.mechanism), notes, code, None if page is None else partial(draw, page))
 
 
 def _origin(found: "Diagnosis", args: argparse.Namespace) -> list[str]:
@@ -153,46 +155,12 @@ def _page_path(args: argparse.Namespace) -> Path | None:
     return None if args.out is None else folder(args.out) / "diagnosis.html"
 
 
-def _next(neck: "Mechanism", said: dict[str, Any], common: dict[str, Any]) -> "NextLoads | None":
-    """Return what would split the look-alikes that are in question, None where there are none."""
-    from ..data.columns import CAMERA_SIGMA
-    from ..diagnosis.design.next_loads import in_question, next_loads, rivals_of
-
-    sets, alone = in_question(said["models"], said["transfer"])
-    known = {"priors": common["priors"], "force_sigma": said["noise"]["force"]}
-    rivals = [] if alone else rivals_of(neck, common["data"], sets, **known)
-    if len(rivals) < 2:
-        return None
-    sigma = [value or usual for value, usual in zip(said["noise"]["sigma"], CAMERA_SIGMA, strict=True)]
-    return next_loads(rivals, common["data"], sigma=sigma, **known)
-
-
-def _page(
-    path: Path,
-    neck: "Mechanism",
-    found: "Diagnosis",
-    common: dict[str, Any],
-    further: "NextLoads | None",
-) -> Path:
-    """Write the page; return its path."""
-    from ..diagnosis import plan
-    from ..diagnosis.checks.symmetry import parity
-    from ..pages.diagnosis import write_diagnosis
-
-    shown = plan(neck, **common)
-    tests = parity(common["data"][0], found.rows.before) if len(common["data"]) == 1 else None
-    return write_diagnosis(found, neck, path, parity=tests, plan=shown, next_loads=further, notes=found.noticed,
-                           priors=common["priors"])  # fmt: skip
-
-
 def _inputs(args: argparse.Namespace) -> dict[str, Any]:
     """Return what ``next`` needs to go on."""
-    from .identify import _priors
-
     return {
         "mechanism": None if args.mechanism is None else str(Path(args.mechanism).resolve()),
         "data": [str(Path(path).resolve()) for path in args.data],
-        "priors": {name: list(prior) for name, prior in _priors(args.prior).items()},
+        "priors": {name: list(prior) for name, prior in priors_by_name(args.prior).items()},
         "noise": numbers_by_name("--noise", args.noise),
     }
 
@@ -237,7 +205,7 @@ def _gap_lines(found: "Diagnosis") -> list[str]:
 
 
 def _plan(args: argparse.Namespace) -> Answer:
-    from ..diagnosis import plan
+    from ..studies.diagnosis import plan
 
     found = plan(mechanism(args), **_common(args))
     answer = found.to_json_dict()

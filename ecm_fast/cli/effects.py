@@ -33,20 +33,19 @@ def _run(args: argparse.Namespace) -> Answer:
 def _shown(args: argparse.Namespace, entries: list[dict[str, Any]]) -> tuple[str, ...]:
     """Add to the entries how they show on a mechanism; write the page where a folder is named."""
     from ..data.measurements import read_measurements
-    from ..diagnosis import plan
     from ..pages.catalogue import look_alikes, write_catalogue
     from ..pages.page import require
+    from ..studies.diagnosis import plan
     from ..testbed import tendon_test
 
     neck = mechanism(args)
     data = None if args.data is None else read_measurements(args.data)
     notes: tuple[str, ...] = ()
-    if args.out is None:
-        found = plan(neck, tendon_test(grid=9) if data is None else data)
-    else:
+    if args.out is not None:
         require()
-        path, found = write_catalogue(neck, folder(args.out), data)
-        notes = (f"wrote {path}",)
+    found = plan(neck, tendon_test(grid=9) if data is None else data)
+    if args.out is not None:
+        notes = (f"wrote {write_catalogue(neck, folder(args.out), found, args.data or '')}",)
     alike, sights = look_alikes(found), {sight.name: sight for sight in found.sights}
     for entry in entries:
         sight = sights[entry["name"]]

@@ -3,8 +3,7 @@
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InputError
-from ._arguments import add_model, add_noise, discretization, finite_number, measurements, mechanism
+from ._arguments import add_model, add_noise, discretization, finite_number, measurements, mechanism, priors_by_name
 from ._command import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder, outputs
 
 if TYPE_CHECKING:
@@ -48,7 +47,7 @@ def _run(args: argparse.Namespace) -> Answer:
         neck,
         data,
         args.fit,
-        priors=_priors(args.prior),
+        priors=priors_by_name(args.prior),
         loss=args.loss,
         force_sigma=args.force_sigma,
         **chosen,
@@ -86,19 +85,6 @@ def _text(fit: "Identification") -> str:
     lines.append(f"rms of measured less predicted: {', '.join(f'{n} {value:.6g} {unit}' for (n, unit), value in rms)}")
     lines.append(f"noise: {', '.join(f'{name} {origin}' for name, origin in fit.noise.items())}")
     return "\n".join(lines)
-
-
-def _priors(given: list[list[str]]) -> dict[str, tuple[float, float]]:
-    priors = {}
-    for name, *numbers in given:
-        try:
-            value, std = (finite_number(text) for text in numbers)
-        except argparse.ArgumentTypeError as error:
-            raise InputError(f"argument --prior {name}: {error}") from None
-        if name in priors:
-            raise InputError(f"argument --prior {name}: given twice")
-        priors[name] = value, std
-    return priors
 
 
 COMMAND = Command("find the parameters at which the model meets measurements best", _add_arguments, _run, IN_OUT)

@@ -47,29 +47,26 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..data.columns import CAMERA_SIGMA
     from ..data.measurements import read_measurements
     from ..diagnosis.design.load_pool import ADD_ONS
-    from ..diagnosis.design.next_loads import Pool, in_question, next_loads, rivals_of
+    from ..diagnosis.design.next_loads import Pool, in_question
     from ..mechanism.mechanism import Mechanism
+    from ..studies.diagnosis import Study
 
     result = _read(args.result)
     inputs = result["inputs"]
     neck = Mechanism.preset() if inputs["mechanism"] is None else Mechanism.from_toml(inputs["mechanism"])
     data = [read_measurements(path).with_noise(inputs.get("noise", {})) for path in inputs["data"]]
     priors = {name: (float(value), float(std)) for name, (value, std) in inputs["priors"].items()}
-    sets, alone = in_question(result["models"], result.get("transfer", ()))
     pool = Pool.of(args.add_ons or ADD_ONS).within(numbers_by_name("--at-most", args.at_most))
-    sigma, force = result["noise"]["sigma"], result["noise"]["force"] or 0.0
-    rivals = rivals_of(neck, data, sets, priors=priors, force_sigma=force)
-    if len(rivals) < 2:
-        why = f"no other explanation came near {rivals[0].name}" if rivals else "no effect was found"
-        text = f"nothing to tell apart: {why}"
-        answer: dict[str, Any] = {"set": [rival.name for rival in rivals], "next": []}
-        return Answer(answer, text, saved(args, answer))
-    known = [value or least for value, least in zip(sigma, CAMERA_SIGMA, strict=True)]
-    found = next_loads(rivals, data, sigma=known, force_sigma=force, minutes=args.minutes, repeats=args.repeats,
-                       priors=priors, pool=pool, first_alone=alone)  # fmt: skip
+    found = Study(neck, data, priors=priors).next_loads(
+        result, minutes=args.minutes, repeats=args.repeats, pool=pool, check_single=True
+    )
+    sets, alone = in_question(result["models"], result.get("transfer", ()))
+    if found is None:
+        why = f"no other explanation came near {' with '.join(sets[0])}" if sets else "no effect was found"
+        answer: dict[str, Any] = {"set": [" with ".join(names) for names in sets], "next": []}
+        return Answer(answer, f"nothing to tell apart: {why}", saved(args, answer))
     return Answer(found.to_json_dict(), _text(found, alone), saved(args, found.to_json_dict()))
 
 

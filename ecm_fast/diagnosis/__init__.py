@@ -14,7 +14,6 @@ from .results.diagnosis import (
     Where,
 )
 from .results.plan import Plan
-from .study import Study, diagnose, plan
 
 __all__ = [
     "Claim",
@@ -27,9 +26,6 @@ __all__ = [
     "Remainder",
     "Rms",
     "RowFindings",
-    "Study",
     "Transfer",
     "Where",
-    "diagnose",
-    "plan",
 ]

@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.measurements import Measurements
-from ..diagnosis import Plan, plan
+from ..diagnosis import Plan
 from ..identification.rows import FitRows, FitSet
 from ..mechanism.catalogue import CATALOGUE, Effect
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.parameters import index
 from ..mechanism.vector import pack
-from ..testbed import tendon_test
 from .page import Picture, Section, Table, write_report
 from .plots import CHANNELS_MRAD, COLORS, FAINT, canvas
 
@@ -63,23 +62,23 @@ def look_alikes(found: Plan, least: float = _ALIKE) -> dict[str, list[tuple[str,
     return out
 
 
-def write_catalogue(mechanism: Mechanism, folder: Path, data: Measurements | None = None) -> tuple[Path, Plan]:
-    """Write ``effects.html`` and the numbers of its pictures; return the page and what it rests on.
+def write_catalogue(mechanism: Mechanism, folder: Path, found: Plan, source: str = "") -> Path:
+    """Write ``effects.html`` and the numbers of its pictures; return the page.
 
     Parameters
     ----------
     mechanism : on which the effects are shown
     folder : for the files
-    data : whose loads decide what looks alike; default a grid of tendon forces in random order
+    found : what loads can show
+    source : where these loads come from; empty for a grid of tendon forces
 
     Raises
     ------
     InputError : a file cannot be written, or matplotlib or jinja2 is missing.
     """
-    found = plan(mechanism, tendon_test(grid=_SIDE) if data is None else data)
     grid = sweep()
     alike = look_alikes(found)
-    sections = [Section("", _sentences(found, data))]
+    sections = [Section("", _sentences(found, source))]
     families = dict.fromkeys(effect.family for effect in CATALOGUE.values())
     for family in families:
         effects = [effect for effect in CATALOGUE.values() if effect.family == family]
@@ -92,12 +91,12 @@ def write_catalogue(mechanism: Mechanism, folder: Path, data: Measurements | Non
             _columns(effects, grid, shapes),
         )
         sections.append(Section(family, (), (_table(effects, found, alike),), (picture,)))
-    return write_report(folder / "effects.html", "Physical effects the model can take in", sections), found
+    return write_report(folder / "effects.html", "Physical effects the model can take in", sections)
 
 
-def _sentences(found: Plan, data: Measurements | None) -> tuple[str, ...]:
+def _sentences(found: Plan, source: str) -> tuple[str, ...]:
     counts = {visible: len(found.of(visible)) for visible in ("named", "seen", "absorbed", "invisible")}
-    where = f"the {found.rows} rows of {data.source}" if data else f"{found.rows} tendon forces between 0 and 160 N"
+    where = f"the {found.rows} rows of {source}" if source else f"{found.rows} tendon forces between 0 and 160 N"
     return (
         f"{len(CATALOGUE)} effects. With {where}, {found.noise}: {counts['named']} would be named at their typical "
         f"size, {counts['seen']} seen but not told from look-alikes, {counts['absorbed']} absorbed by EA, GA and EI, "

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ecm_fast import FiniteElementModel, Mechanism
-from ecm_fast.diagnosis import diagnose
 from ecm_fast.mechanism.catalogue import CATALOGUE
 from ecm_fast.models.instruments.prediction import predict
+from ecm_fast.studies.diagnosis import diagnose
 from ecm_fast.testbed import Sensors, measure, tendon_test
 
 pytestmark = pytest.mark.slow

@@ -10,11 +10,11 @@ import pytest
 from ecm_fast import Measurements, Mechanism, diagnose
 from ecm_fast.cli import _terminal as _streams
 from ecm_fast.cli import main
-from ecm_fast.diagnosis import Study
 from ecm_fast.diagnosis.answer.claims import claims
 from ecm_fast.diagnosis.search import subsample as many
 from ecm_fast.diagnosis.search.selection import search
 from ecm_fast.identification.rows import FitRows
+from ecm_fast.studies.diagnosis import Study
 from ecm_fast.testbed import Sensors, in_sequence, measure, shear_test, tendon_test
 from ecm_fast.testbed.sealed.hide import hide
 

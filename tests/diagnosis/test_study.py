@@ -9,7 +9,6 @@ import pytest
 from bench.separation import beside, standing
 from ecm_fast import Mechanism, diagnose, identify, plan, predict, read_measurements
 from ecm_fast.cli import main
-from ecm_fast.diagnosis import Study
 from ecm_fast.diagnosis.design.detectability import MATERIAL_TESTS
 from ecm_fast.diagnosis.design.load_pool import Pool
 from ecm_fast.diagnosis.problem.holdout import lock
@@ -18,6 +17,7 @@ from ecm_fast.diagnosis.search.calibration import calibrate
 from ecm_fast.errors import InputError
 from ecm_fast.mechanism.catalogue import CATALOGUE
 from ecm_fast.mechanism.parameters import find
+from ecm_fast.studies.diagnosis import Study
 from ecm_fast.testbed import Sensors, equilibria, measure, readings, shear_test, tendon_test
 from ecm_fast.testbed.sealed.hide import hide
 
@@ -347,6 +347,28 @@ def test_the_road_by_command_line(tmp_path, capsys, bent):
     assert rms["theta_rad"] < 1.4e-3
     assert main(["plan", str(tmp_path / "fresh.csv"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["rows"] == 31
+
+
+def test_python_gets_what_the_command_line_gets(tmp_path, capsys, bent):
+    """The command line's own answer: findings, effects, next loads and the page of a study are the same."""
+    pytest.importorskip("matplotlib")
+    pytest.importorskip("jinja2")
+    bent.to_csv(tmp_path / "run.csv")
+    names = ["precurvature", "head_com_sideways", "force_zero_asymmetry"]
+    command = ["diagnose", str(tmp_path / "run.csv"), "--candidates", *names, "--out", str(tmp_path)]
+    assert main([*command, "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    study = Study(Mechanism(), read_measurements(tmp_path / "run.csv"), candidates=names)
+    assert list(study.check()) == answer["noticed"]
+    found = study.diagnose()
+    assert found.to_json_dict()["effects"] == answer["effects"]
+    assert study.next_loads(found) is None
+    assert answer["next"] == []  # one name stands alone; its nearest rivals are for the command next
+    assert main(["next", str(tmp_path), "--minutes", "5", "--json"]) == 0
+    further = study.next_loads(found, minutes=5.0, check_single=True)
+    assert further.to_json_dict() == json.loads(capsys.readouterr().out)
+    page = study.page(found, tmp_path / "python.html")
+    assert page.read_text(encoding="utf-8") == (tmp_path / "diagnosis.html").read_text(encoding="utf-8")
 
 
 def test_what_was_given_is_not_asked_for_again(tmp_path, capsys, clean, monkeypatch):

@@ -8,11 +8,11 @@ import pytest
 
 from ecm_fast import Mechanism, diagnose, identify, predict
 from ecm_fast.cli import main
-from ecm_fast.diagnosis import Study
 from ecm_fast.diagnosis.proof.external_validation import transfer
 from ecm_fast.diagnosis.results.diagnosis import Noise
 from ecm_fast.diagnosis.results.external_validation import allowed
 from ecm_fast.diagnosis.search.subsample import search_all
+from ecm_fast.studies.diagnosis import Study
 from ecm_fast.testbed import Sensors, measure, shear_test, tendon_test
 
 pytestmark = pytest.mark.slow

@@ -92,3 +92,17 @@ def test_the_oracle_imports_no_kernel() -> None:
     sources = list((PACKAGE / "models" / "reference").glob("*.py"))
     guilty = {str(path) for path in sources if any(name.startswith("ecm_fast.kernels") for name in imported(path))}
     assert guilty == set()
+
+
+def test_no_module_borrows_underscored_names() -> None:
+    """Truth: a project rule, read off the syntax trees; a name with an underscore is its module's own."""
+    borrowed = [
+        f"{path.relative_to(PACKAGE)}: {alias.name}"
+        for path in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+        if alias.name.startswith("_")
+        and not (alias.name.startswith("__") or (PACKAGE / "cli" / f"{alias.name}.py").exists())
+    ]
+    assert borrowed == []

@@ -10,7 +10,7 @@ from ..results.diagnosis import Detectability, HoldoutMisfit, Remainder, Verdict
 from ..results.external_validation import Transfer, carried, not_carried
 from ..results.findings import Claim, Model
 from ..search.odds import odds
-from ..search.selection import Selection
+from ..search.selection import Selection, leaves_most, refused
 
 __all__ = [
     "MIRRORS",
@@ -124,7 +124,11 @@ def nearest(found: Selection) -> tuple[str, ...]:
     for name in found.names(fit):
         entry = CATALOGUE[name].size
         sizes.append(f"{name} = {values[entry.key]:.3g}{'' if entry.unit == '-' else f' {entry.unit}'}")
-    return (f"{' with '.join(sizes)} comes nearest, but the tests still see something beyond it",)
+    closest = found.closest or found.view
+    reason = refused(fit, closest)
+    if not reason and leaves_most(closest, found.baseline):
+        reason = "it leaves more than half of the misfit"
+    return (f"{' with '.join(sizes)} comes nearest, but {reason or 'the tests still see something beyond it'}",)
 
 
 MIRRORS = {

@@ -19,13 +19,17 @@ from .outliers import drop_single_row_alarms, excess_noise
 __all__ = [
     "FAILS",
     "LIMITS",
+    "NO_GAIN",
+    "OUTCOMES",
     "PASSES",
+    "UNTRIED",
     "WORTH",
     "Fits",
     "Selection",
     "Trial",
     "fit_models",
     "fit_pairs",
+    "leaves_most",
     "onward",
     "refused",
     "search",
@@ -161,7 +165,7 @@ def search_from(baseline: Linearization, alpha: float, max_effects: int, seed: i
 
 
 UNTRIED, NO_GAIN, FAILS, PASSES = "untried", "no gain", "fails", "passes"
-_OUTCOMES = {
+OUTCOMES = {
     # one effect, two effects: answer
     (PASSES, UNTRIED): "one",
     (PASSES, NO_GAIN): "one",
@@ -207,7 +211,7 @@ def onward(
     max_effects: int,
     seed: int,
 ) -> Selection:
-    """Go on from the single effects; the answer is that of `_OUTCOMES`.
+    """Go on from the single effects; the answer is that of `OUTCOMES`.
 
     The search began at `start`, the baseline with further parameters of effects where they begin.
     """
@@ -215,7 +219,7 @@ def onward(
     two, alone = None, list[Fit]()
     if max_effects >= 2 and (one.outcome == FAILS or second_effect(one.view) > WORTH):
         two, alone = _two(baseline, start, one, alpha, seed)
-    answer = _OUTCOMES[one.outcome, two.outcome if two else UNTRIED]
+    answer = OUTCOMES[one.outcome, two.outcome if two else UNTRIED]
     if answer == "another one" and two:
         again = _another(baseline, start, one, two, alone, alpha, seed)
         one, two = (again, None) if again else (one, two)

@@ -7,12 +7,13 @@ import numpy as np
 
 from ...data.datasets import load
 from ...data.measurements import Measurements
-from ...diagnosis import Diagnosis, diagnose
+from ...diagnosis import Diagnosis
 from ...diagnosis.design.next_loads import Pool, fitted_rivals, next_loads
 from ...diagnosis.search.selection import LIMITS
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...pages.page import Section, Table
+from ..diagnosis import diagnose
 from .claims import MM, UNKNOWN, PaperClaim, Part, shown
 from .measured_cantilevers import fitted_modulus, square_section
 

@@ -1,9 +1,12 @@
-"""A study: a mechanism and its measurements, from the checks to the diagnosis and the page."""
+"""A study: a mechanism and its measurements, from the checks to the diagnosis, the next loads and the page."""
 
+import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,37 +14,24 @@ from numpy.typing import NDArray
 from ..data.columns import CAMERA_SIGMA, CHANNELS
 from ..data.measurements import Measurements
 from ..data.repeated_rows import repeated_rows, without_poses
+from ..diagnosis.answer.assembly import assemble, assemble_plan
+from ..diagnosis.checks.coverage import FEW_ROWS, coverage
+from ..diagnosis.checks.symmetry import parity
+from ..diagnosis.design.next_loads import NextLoads, Pool, in_question, next_loads, rivals_of
+from ..diagnosis.problem.candidates import chosen, uncertain_parameters
+from ..diagnosis.problem.problem import Problem
+from ..diagnosis.problem.progress import Progress
+from ..diagnosis.results.diagnosis import Diagnosis
+from ..diagnosis.results.plan import Plan
+from ..diagnosis.search.subsample import search_all
 from ..errors import InputError, real, shown
-from ..identification.rows import State
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.parameters import find
 from ..models.instruments.checks.checks import check
-from .answer.caveats import alarms, correlation_caveats, size_caveats, stiffness_caveats
-from .answer.claims import claims, estimates
-from .answer.sentences import missing_columns, nearest, sentence, verdict_of
-from .checks.coverage import FEW_ROWS, coverage
-from .design.detectability import distances, sights
-from .problem.candidates import chosen, uncertain_parameters
-from .problem.linearization import Linearization
-from .problem.problem import DRIFT, Problem
-from .problem.progress import Progress
-from .proof.discrepancy import remainder
-from .proof.external_validation import transfer
-from .proof.holdout_error import Residuals, gap
-from .proof.localization import compliances, where, wrenches
-from .results.diagnosis import Diagnosis, Noise, RowFindings, Transfer
-from .results.external_validation import not_carried
-from .results.plan import Plan
-from .search.fit import Fit, refit
-from .search.outliers import excess_noise
-from .search.selection import Selection
-from .search.subsample import search_all
+from ..models.instruments.prediction import predict
 
 __all__ = ["Study", "diagnose", "plan"]
 
 Priors = Mapping[str, tuple[float, float]]
-
-"""Camera noise that a plan takes where nothing is declared [m, m, rad]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,7 +51,7 @@ class Study:
     alpha : chance of a false alarm on clean data
     max_effects : most effects that an answer may name
     seed : of the lock and of all draws
-    progress : called with one line of text before every step of a diagnosis
+    progress : called with one line of text before every step
     """
 
     mechanism: Mechanism
@@ -161,33 +151,77 @@ class Study:
 
     def plan(self) -> Plan:
         """Return what the loads can tell, whatever will be measured."""
-        from ..models.instruments.prediction import predict
-
         parts = [_blank_filled(part, predict(self.mechanism, part).pose) for part in self.parts]
-        problem = self.problem(parts)
-        values = dict(zip(problem.keys, problem.start(problem.keys).tolist(), strict=True))
-        noise = problem.noise(problem.rows.at(problem.start(problem.keys)))
-        view = Linearization.at(problem, values, (), noise, known=True)
-        _, cosine, apart = distances(view)
-        lost = int((~problem.state((), values).stable).sum())
-        return Plan(
-            rows=problem.rows.n,
-            sights=sights(view, self.alpha, self.seed),
-            names=tuple(candidate.name for candidate in problem.candidates),
-            cosines=cosine,
-            distances=apart,
-            noise=_in_words(view),
-            missing=missing_columns(problem),
-            warnings=(f"{lost} loads have no stable equilibrium",) if lost else (),
-        )
+        return assemble_plan(self.problem(parts), self.alpha, self.seed)
 
     def diagnose(self) -> Diagnosis:
-        """Return what is missing, and the proof."""
+        """Return what is missing, and the proof.
+
+        Raises
+        ------
+        InputError : see `check`, or there are too few rows.
+        NotConverged : the mechanism has no stable equilibrium under any of the loads.
+        """
         begin, noticed = time.perf_counter(), self.check()
         problem = self.problem(progress=Progress(self.progress))
         found = search_all(problem, self.alpha, self.max_effects, self.seed)
         problem.progress.begin("proof")
-        return _answer(self, problem, found, noticed, begin)
+        tests = [self.problem([part]) for part in self.unseen]
+        answer = assemble(problem, found, tests, alpha=self.alpha, seed=self.seed, only=self.candidates,
+                          known=self.priors, noticed=noticed)  # fmt: skip
+        return replace(answer, seconds=time.perf_counter() - begin)
+
+    def next_loads(
+        self,
+        found: Diagnosis | Mapping[str, Any],
+        *,
+        minutes: float = 20.0,
+        repeats: int = 3,
+        pool: Pool | None = None,
+        check_single: bool = False,
+    ) -> NextLoads | None:
+        """Return which loads to measure next so that look-alikes come apart; None where there are none.
+
+        Parameters
+        ----------
+        found : a diagnosis, or its JSON
+        minutes : time on the test bed
+        repeats : readings of each load
+        pool : loads to choose from; default all that the test bed can do
+        check_single : whether an answer without look-alikes is checked against its nearest rivals
+        """
+        said = found.to_json_dict() if isinstance(found, Diagnosis) else found
+        sets, alone = in_question(said["models"], said.get("transfer", ()))
+        if len(sets) < 2 or (alone and not check_single):
+            return None
+        if self.progress:
+            self.progress("what to measure next")
+        known: dict[str, Any] = {"priors": self.priors, "force_sigma": said["noise"]["force"] or 0.0}
+        rivals = rivals_of(self.mechanism, self.fitted, sets, **known)
+        sigma = [value or usual for value, usual in zip(said["noise"]["sigma"], CAMERA_SIGMA, strict=True)]
+        return next_loads(rivals, self.fitted, sigma=sigma, minutes=minutes, repeats=repeats, pool=pool,
+                          first_alone=alone, **known)  # fmt: skip
+
+    def page(self, found: Diagnosis, path: str | os.PathLike[str], further: NextLoads | None = None) -> Path:
+        """Write the page of a diagnosis, and beside it the numbers of its pictures; return its path.
+
+        Parameters
+        ----------
+        found : the diagnosis
+        path : of the page
+        further : what to measure next, see `next_loads`
+
+        Raises
+        ------
+        InputError : a file cannot be written, or matplotlib or jinja2 is missing.
+        """
+        from ..pages.diagnosis import write_diagnosis
+
+        if self.progress:
+            self.progress("report")
+        tests = parity(found.rows.data[0], found.rows.before) if len(found.rows.data) == 1 else None
+        return write_diagnosis(found, self.mechanism, Path(path), parity=tests, plan=self.plan(), next_loads=further,
+                               notes=found.noticed, priors=self.priors)  # fmt: skip
 
 
 def diagnose(
@@ -237,120 +271,3 @@ def _blank_filled(data: Measurements, pose: NDArray[np.float64]) -> Measurements
         own = getattr(data, name)
         columns[name] = np.where(np.isfinite(own) & (own > 0.0), own, sigma)
     return replace(data, **columns)
-
-
-def _in_words(view: Linearization) -> str:
-    x, z, theta = (_median(column[np.isfinite(column)]) for column in view.weights.sigma[view.rows].T)
-    force = float(np.median(view.noise.force))
-    return (f"noise {1e3 * x:.3g} mm, {1e3 * z:.3g} mm, {1e3 * theta:.3g} mrad, forces {force:.3g} N, a drift of "
-            f"{DRIFT:g} of it from first to last row, and a build within its tolerances")  # fmt: skip
-
-
-def _answer(study: Study, problem: Problem, found: Selection, noticed: tuple[str, ...], begin: float) -> Diagnosis:
-    baseline, view, best = found.baseline, found.view, found.best
-    before, after = found.null.state(problem), best.state(problem)
-    around = problem.state(problem.keys_of(view.model), view.values)
-    weights = problem.weights(view.noise, around)
-    without = _without_each(found)
-    lacking = {problem.candidates[i].name: fit.state(problem) for i, fit in without.items() if fit.model}
-    opened = Residuals.of(problem, before, after, weights, found.scale, lacking)
-    shown_gap, far = gap(problem, opened, problem.locked, "rows set aside", study.seed)
-    effects, missing = claims(found, without), missing_columns(problem)
-    seen = sights(baseline, study.alpha, study.seed)
-    verdict = verdict_of(effects, outside=found.outside, gap_in_data=bool(missing) and view.cleaned.memory > 0.2)
-    left = None
-    if verdict in ("outside_catalogue", "data_gap"):
-        left = remainder(problem, view, opened, compliances(problem, before), problem.locked)
-    calibrated_now, noise = estimates(best, found), _noise(view)
-    tests = _transfer(study, found, noise)
-    lost = [*((int(i), "outlier") for i in [*view.outliers, *far]),
-            *((int(i), "no stable equilibrium") for i in np.flatnonzero(~around.stable))]  # fmt: skip
-    return Diagnosis(
-        verdict=verdict,
-        sentence=sentence(verdict, effects, shown_gap, seen, missing, left, tests, study.candidates),
-        effects=effects,
-        calibration=calibrated_now,
-        before=estimates(found.null, found),
-        dimensions=_by_name(best.build),
-        dimensions_before=_by_name(found.null.build),
-        mechanism=problem.mechanism.replace(**best.as_built()),
-        gap=shown_gap,
-        transfer=tests,
-        models=found.models(),
-        gates=found.gates,
-        sights=seen,
-        noise=noise,
-        where=where(baseline, study.seed) if any(gate.alarm for gate in found.gates) else None,
-        remainder=left,
-        outliers=tuple((problem.rows.where(i), reason) for i, reason in lost),
-        missing=missing,
-        noticed=noticed,
-        warnings=(
-            *not_carried(tests, [claim.name for claim in effects]),
-            *found.doubts,
-            *(excess_noise(view) if found.effects else ()),
-            *nearest(found),
-            *size_caveats(effects, problem.mechanism),
-            *correlation_caveats(best, problem.candidates),
-            *stiffness_caveats(calibrated_now, problem.mechanism, {find(name).name for name in study.priors}),
-        ),
-        alarms=alarms(found),
-        rows=_rows(problem, opened, before, view, far),
-        seconds=time.perf_counter() - begin,
-    )
-
-
-def _without_each(found: Selection) -> dict[int, Fit]:
-    """Return, by the place of each effect found, the fit of all but it; the most needed one comes first."""
-    best = found.best
-    rest = {i: tuple(other for other in best.model if other != i) for i in best.model}
-    fits = {i: refit(found.view, others, best.by_key()) if others else found.null for i, others in rest.items()}
-    return dict(sorted(fits.items(), key=lambda item: -item[1].total))
-
-
-def _by_name(values: Mapping[str, float]) -> dict[str, float]:
-    return {find(key).name: value for key, value in values.items()}
-
-
-def _transfer(study: Study, found: Selection, noise: Noise) -> tuple[Transfer, ...]:
-    """Return the gap on every experiment that was never fitted."""
-    parts = (transfer(study.problem([part]), found, noise, study.seed) for part in study.unseen)
-    return tuple(entry for entry in parts if entry)
-
-
-def _noise(view: Linearization) -> Noise:
-    sigma = np.array([_median(view.weights.sigma[view.rows][view.used[:, i], i]) for i in range(3)])
-    origin = {
-        name: " and ".join(sorted(set(view.noise.origin[view.rows][view.used[:, i], i].tolist())))
-        for i, name in enumerate(CHANNELS)
-    }
-    x, z, theta = (float(value) for value in sigma)
-    a, b, c = (float(value) for value in view.cleaned.scale)
-    force = float(np.median(view.noise.force))
-    return Noise((x, z, theta), force, origin, (a, b, c), view.cleaned.tail, view.cleaned.memory)
-
-
-def _median(values: NDArray[np.float64]) -> float:
-    """Return the median; nan of none."""
-    return float(np.median(values)) if values.size else np.nan
-
-
-def _rows(
-    problem: Problem, opened: Residuals, state: State, view: Linearization, far: NDArray[np.int64]
-) -> RowFindings:
-    outlier = np.zeros(problem.rows.n, dtype=bool)
-    outlier[[*view.outliers, *far]] = True
-    used = np.zeros((problem.rows.n, 3), dtype=bool)
-    used[view.rows] = view.used
-    compliance = compliances(problem, state)
-    return RowFindings(
-        data=problem.data,
-        locked=problem.locked,
-        outlier=outlier,
-        used=used,
-        before=opened.before,
-        after=opened.after,
-        sigma=opened.spread(),
-        wrench_before=wrenches(opened.before, compliance),
-        wrench_after=wrenches(opened.after, compliance),
-    )
