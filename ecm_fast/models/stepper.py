@@ -55,11 +55,12 @@ class Stepper:
     next row of that path: ``step(lam_l, lam_r, t, dwell)`` with the time stamp and the time held before reading [s],
     both nan unless given. The answers are the poses that `predict` has for the same rows, and the state is the
     stepper's own: `state` returns it and `reset` sets it. What the camera adds, its drift included, is no part of the
-    pose. A call then solves twice, each time from the straight neck.
+    pose. A call then solves twice, each time from the straight neck. Other steppers take the two forces alone.
 
     Copies, deep copies and pickles are steppers of their own, made anew from mechanism, discretization and settings,
     that go on from the same state. Calls from several threads wait for each other; what they make is one sequence of
-    calls, so threads that follow loads of their own need a stepper each.
+    calls, so threads that follow loads of their own need a stepper each. Derivatives are those of the last call,
+    whichever thread made it.
 
     Parameters
     ----------
@@ -139,7 +140,9 @@ class Stepper:
         ------
         InputError : the mechanism has no effect of the path, or it was told to be ignored.
         """
-        return PathState(*self._path("state").tolist())
+        past = self._path("state")
+        with self._core.lock:
+            return PathState(*past.tolist())
 
     def reset(self, state: PathState | None = None) -> None:
         """Forget every call: the next one starts from the straight neck.
@@ -147,12 +150,14 @@ class Stepper:
         state : of the path, from which it goes on; default: none yet, as in a new session
         """
         past = None if state is None else self._path("reset(state)")
-        self._set(self._first)
-        if past is not None and state is not None:
-            past[:] = state.array()
+        with self._core.lock:
+            self._set(self._first)
+            if past is not None and state is not None:
+                past[:] = state.array()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, self._arguments, tuple(part.copy() for part in self._core.kept)
+        with self._core.lock:
+            return _restored, self._arguments, tuple(part.copy() for part in self._core.kept)
 
     def __setstate__(self, kept: tuple[Array, ...]) -> None:
         self._set(kept)
@@ -228,11 +233,11 @@ def _path_core(mesh: Discretization, par: Array, loads: Array, derivatives: bool
         parts["turn"][:], parts["slopes"][:] = mesh.turn, mesh.slopes
     past = parts["past"]
     begin(past, parts["rest"])
-    lock, carry = threading.Lock(), functools.partial(_compiled_row(), memory.ctypes.data, constants.ctypes.data)
-    keep_alive, nan = (memory, constants), math.nan
+    lock, nan = threading.Lock(), math.nan
+    carry: Any = functools.partial(_compiled_row(), memory.ctypes.data, constants.ctypes.data)
+    carry.memory = memory, constants  # which the addresses must not outlive
 
     def step(lam_l: float, lam_r: float, t: float = nan, dwell: float = nan) -> tuple[float, float, float, int]:
-        assert keep_alive
         with lock:
             if not (0.0 <= lam_l < math.inf and 0.0 <= lam_r < math.inf):
                 return along.call(nan, nan)
@@ -240,7 +245,7 @@ def _path_core(mesh: Discretization, par: Array, loads: Array, derivatives: bool
             possible = carry(float(lam_l), float(lam_r), float(t), float(dwell), x, z, theta)
             return along.call(lam_l, lam_r) if possible else along.call(nan, nan)
 
-    return StepCore(step, (past, *along.kept), along.jacobian, along.compliance, along.system), past
+    return StepCore(step, (past, *along.kept), along.jacobian, along.compliance, along.system, lock), past
 
 
 @functools.cache

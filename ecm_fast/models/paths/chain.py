@@ -64,9 +64,8 @@ class Chain:
             with lock:
                 if lam_max != 0.0:
                     state[H_SIZE] = np.inf  # nothing to follow
-                found: tuple[float, float, float, int] = chain.follow_chain(
-                    con, state, last2, float(lam_l), float(lam_r)
-                )
-            return found if found[3] in (CONVERGED, INVALID_INPUT) else robust.call(lam_l, lam_r)
+                lam = float(lam_l), float(lam_r)
+                found: tuple[float, float, float, int] = chain.follow_chain(con, state, last2, *lam)
+                return found if found[3] in (CONVERGED, INVALID_INPUT) else robust.call(*lam)
 
-        return replace(robust, call=step, kept=(state, *robust.kept))
+        return replace(robust, call=step, kept=(state, *robust.kept), lock=lock)

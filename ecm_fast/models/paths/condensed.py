@@ -1,6 +1,7 @@
 """The condensed path: the mechanisms it takes, and the kernels of each order."""
 
 import functools
+import threading
 from typing import Any
 
 import numpy as np
@@ -108,7 +109,7 @@ class Condensation:
         step: Any = functools.partial(compiled_step(order), memory.ctypes.data)
         # the address is all that the compiled step knows of: the function must keep the memory alive
         step.memory = memory
-        return StepCore(step, kept, parts["jacobian"], parts["compliance"], (memory, places))
+        return StepCore(step, kept, parts["jacobian"], parts["compliance"], (memory, places), threading.Lock())
 
 
 @functools.cache

@@ -31,6 +31,7 @@ class StepCore:
     kept : what a call leaves for the next one
     jacobian, compliance : (3, 2), (3, 3) overwritten by each call, where it makes derivatives
     system : where the function takes its constants from, by name: an array and where in it each part begins
+    lock : held by calls that let go of the interpreter's lock
     """
 
     call: Callable[..., tuple[float, float, float, int]]
@@ -38,6 +39,7 @@ class StepCore:
     jacobian: Array
     compliance: Array
     system: tuple[Array, dict[str, int]]
+    lock: threading.Lock
 
 
 def robust_stepper(mesh: Discretization, system: System, loads: Array, afresh: bool) -> StepCore:
@@ -67,4 +69,4 @@ def robust_stepper(mesh: Discretization, system: System, loads: Array, afresh: b
             )
         return result
 
-    return StepCore(step, (q, jacobian, compliance), jacobian, compliance, (constants, places))
+    return StepCore(step, (q, jacobian, compliance), jacobian, compliance, (constants, places), lock)
