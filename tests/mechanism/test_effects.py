@@ -124,12 +124,13 @@ def test_stepper_batch_and_inverse_take_it(effect):
     step = model.stepper(derivatives=True)
     for lam in ((60.0, 20.0), (62.0, 19.0)):
         *pose, status = step(*lam)
-        eq = model.solve(lam)
+        path = step.state if effect.enters == "path" else None
+        eq = model.solve(lam, path=path)
         assert status == 0
         assert np.abs(np.array(pose) - eq.pose).max() < 1e-10
         assert np.abs(step.jacobian - eq.jacobian).max() < 1e-6 * np.abs(eq.jacobian).max()
-    lam = model.inverse(theta=-0.1, co_contraction=50.0)
-    assert model.solve(lam).theta == pytest.approx(-0.1, abs=1e-9)
+    lam = model.inverse(theta=-0.1, co_contraction=50.0, path=path)
+    assert model.solve(lam, path=path).theta == pytest.approx(-0.1, abs=1e-9)
 
 
 def test_every_place_in_the_vector_is_its_own():

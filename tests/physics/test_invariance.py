@@ -120,7 +120,7 @@ def test_an_effect_of_zero_is_no_effect(name):
     touching = {entry.key: 0.2 for entry in CATALOGUE[name] if entry.key.endswith(".angle")}
     mechanism = Mechanism().replace(**{size.key: 2.0 * size.typical, **touching})
     bent = (20.0, 120.0), (0.0, -40.0, 2.0)  # to positive angles, beyond the stops
-    there, here = (FiniteElementModel(neck).solve(*bent).pose for neck in (mechanism, Mechanism()))
+    there, here = (FiniteElementModel(neck).solve(*bent, path="ignore").pose for neck in (mechanism, Mechanism()))
     moved = np.abs(there - here).max()
     assert moved == 0.0 if CATALOGUE[name].enters in ("camera", "path") else moved > 1e-7
 
