@@ -19,6 +19,8 @@ from ecm_fast.cli import main
 from ecm_fast.errors import InputError
 from ecm_fast.identification.rows import Noise, State
 
+pytestmark = pytest.mark.slow
+
 Ended = tuple[int, str, str]
 Run = Callable[..., Ended]
 

@@ -9,6 +9,8 @@ import ecm_fast as ecm
 from ecm_fast.diagnosis.search.selection import FAILS, NO_GAIN, OUTCOMES, PASSES, UNTRIED
 from ecm_fast.diagnosis.search.subsample import search_all
 
+pytestmark = pytest.mark.slow
+
 NECK = ecm.Mechanism()
 GIVEN = ["precurvature", "pulley_shift", "force_gain_asymmetry", "marker_lever_x"]
 """Names that broken force cells were given."""

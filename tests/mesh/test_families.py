@@ -359,6 +359,7 @@ def test_derivatives_are_central_differences(family):
     np.testing.assert_allclose(got.compliance[0], eq.compliance, rtol=0.0, atol=1e-12 * np.abs(eq.compliance).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", [("se2", 4, 1), ("strain", 2, 3)])
 def test_equilibria_are_minima_of_the_reference_energy(family):
     """Complex step and Sylvester: no gradient at the free unknowns, a positive definite second derivative."""

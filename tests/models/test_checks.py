@@ -12,6 +12,8 @@ from ecm_fast.mechanism.mechanism import Mechanism
 from ecm_fast.models.instruments.checks.checks import check, faults
 from ecm_fast.testbed import Sensors, in_sequence, measure, shear_test, tendon_test
 
+pytestmark = pytest.mark.slow
+
 NECK = Mechanism()
 
 

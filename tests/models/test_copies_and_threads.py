@@ -17,6 +17,8 @@ import ecm_fast as ecm
 from ecm_fast.mechanism.parameters import size
 from ecm_fast.mechanism.vector import pack, unpack
 
+pytestmark = pytest.mark.slow
+
 NECK = ecm.Mechanism.preset("slender").replace(pulley_z=0.0645, **{"tendons.pulley_radius": 0.0055})
 MODELS: dict[str, dict[str, Any]] = {
     "condensed": {"order": 4},

@@ -474,6 +474,7 @@ def test_wrenches_of_tendons_meet_the_shooting_solutions(table):
         np.testing.assert_allclose(got, columns(rows, "fx", "fz", "tau"), rtol=0, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_trained_on_dead_wrenches_it_knows_what_tendons_do(table):
     """Shooting solutions: under tendons the polynomial gives P(q) lambda, with and without weight of head and beam."""
     for mechanism, rows in necks_of(table("tendon_equilibria")):
@@ -523,6 +524,7 @@ def test_measured_rows_and_what_of_them_is_dropped(table):
         training_rows(model, Measurements.from_columns({"lam_l_N": [1.0], "lam_r_N": [2.0]}))
 
 
+@pytest.mark.slow
 def test_figure_5(necks):
     """The paper, Section 3: beyond 2 % lie only components within +-2 N and +-0.2 N m; on the short neck, that is.
 

@@ -245,6 +245,7 @@ def test_newton_step_is_the_reference_step(seed):
     assert_close(K_tip, np.linalg.inv(np.linalg.inv(dense)[-3:, -3:])[LOWER], tolerance)
 
 
+@pytest.mark.slow
 def test_pivots_count_negative_eigenvalues():
     """Sylvester's law of inertia: as many pivots are not positive as the dense tangent has negative eigenvalues."""
     counts = []

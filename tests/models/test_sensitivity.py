@@ -87,6 +87,7 @@ def test_derivatives_are_central_differences_of_poses(how):
         assert (np.abs(found.compliance[:, :, k] - expected) * step * 1e4 <= 2e-7 * scale).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", [{"order": 3}, {"elements": 3, "order": 2}, {"elements": 6, "order": 1}], ids=str)
 def test_derivatives_are_those_of_the_reference(how):
     """The plain NumPy reference: dense tangent, and the residual's derivative by the complex step, exact to rounding.

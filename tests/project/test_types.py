@@ -10,6 +10,8 @@ import pytest
 
 import ecm_fast
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("mypy")
 ROOT = Path(__file__).resolve().parents[2]
 
