@@ -8,9 +8,11 @@ from typing import TextIO
 
 from ..errors import InputError, why
 
-__all__ = ["Waiting", "note", "write"]
+__all__ = ["Waiting", "bar", "note", "write"]
 
 _PATIENCE = 1.0  # seconds that nobody needs to be told about
+_PAUSE = 0.1  # seconds between two texts on a line that is read
+_WIDTH = 78  # of a bar with its numbers: the narrowest terminal in use
 
 
 def write(stream: TextIO | None, text: str) -> None:
@@ -39,16 +41,25 @@ def note(text: str) -> None:
     write(sys.stderr, f"ecm-fast: {' '.join(text.splitlines())}\n")
 
 
+def bar(done: float, total: float, seconds: float, before: float, unit: str) -> str:
+    """Return a bar with rate and time left, as tqdm draws it; `before` of the total was done at the beginning."""
+    from tqdm import tqdm
+
+    text: str = tqdm.format_meter(done, total, seconds, ncols=_WIDTH, ascii=True, unit=unit, initial=before)
+    return text
+
+
 class Waiting:
     """One line on a terminal's stderr that says what is being done, when it takes its time; silent elsewhere."""
 
-    def __init__(self) -> None:
-        self._seen = sys.stderr is not None and sys.stderr.isatty()
-        self._begin, self._width = time.monotonic(), 0
+    def __init__(self, patience: float | None = None) -> None:
+        self.seen = sys.stderr is not None and sys.stderr.isatty()
+        self._shown, self._width = time.monotonic() + (_PATIENCE if patience is None else patience) - _PAUSE, 0
 
     def __call__(self, text: str) -> None:
         """Show `text` in place of the one before."""
-        if self._seen and time.monotonic() - self._begin >= _PATIENCE:
+        if self.seen and time.monotonic() - self._shown >= _PAUSE:
+            self._shown = time.monotonic()
             text = text[: shutil.get_terminal_size().columns - 1]
             write(sys.stderr, f"\r{text:<{self._width}}")
             self._width = len(text)

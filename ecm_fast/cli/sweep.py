@@ -1,18 +1,17 @@
 """``ecm-fast sweep``: many cases, written to files; an interrupted sweep can be resumed."""
 
 import argparse
-import sys
 import time
 from collections.abc import Mapping
 from typing import Any
 
 from ._arguments import count
 from ._command import Answer, Command
-from ._terminal import note, write
+from ._terminal import Waiting, bar, note
 
 __all__ = ["COMMAND"]
 
-# seconds between two reports of progress: on a terminal, and where every report is a line of its own
+# seconds before the first report of progress on a terminal, and between two where every report is a line of its own
 _ON_TERMINAL, _ON_LINES = 0.2, 10.0
 
 
@@ -51,38 +50,24 @@ class _Progress:
     """Says on stderr how far the sweep is, how fast it goes and what time is left."""
 
     def __init__(self) -> None:
-        self._same_line = sys.stderr is not None and sys.stderr.isatty()
-        self._every = _ON_TERMINAL if self._same_line else _ON_LINES
+        self._line = Waiting(_ON_TERMINAL)
         self._first: tuple[float, int] | None = None
         self._said = time.monotonic()
-        self._width = 0
 
     def __call__(self, done: int, cases: int) -> None:
         now = time.monotonic()
         if self._first is None:
             self._first = now, done
-        if now - self._said < self._every:
-            return
-        self._said = now
         start, before = self._first
-        rate = (done - before) / max(now - start, 1e-9)
-        left = f", {_time((cases - done) / rate)} left" if rate > 0.0 else ""
-        text = f"{done / cases:.1%} of {cases}, {rate:.3g} a second{left}"
-        if not self._same_line:
+        text = bar(done, cases, now - start, before, " cases")
+        self._line(text)
+        if not self._line.seen and now - self._said >= _ON_LINES:
+            self._said = now
             note(text)
-            return
-        write(sys.stderr, f"\r{text:<{self._width}}")
-        self._width = len(text)
 
     def end(self) -> None:
-        """Leave the line of a terminal."""
-        if self._width:
-            write(sys.stderr, "\n")
-
-
-def _time(seconds: float) -> str:
-    hours, rest = divmod(round(seconds), 3600)
-    return f"{hours} h {rest // 60} min" if hours else f"{rest // 60} min {rest % 60} s" if rest >= 60 else f"{rest} s"
+        """Leave the line of a terminal empty."""
+        self._line.end()
 
 
 COMMAND = Command(

@@ -638,6 +638,7 @@ def test_the_command_tells_of_its_progress(tmp_path: Path, capsys: pytest.Captur
     assert (answer["cases"], answer["solved"], answer["files"]) == (2000, 2000, 32)
     assert answer["statuses"]["converged"] == 2000
     lines = ended.err.splitlines()
-    assert "ecm-fast: 0.0% of 2000, 0 a second" in lines[0]
-    assert " left" in lines[-3]
-    assert "100.0% of 2000, " in lines[-2]
+    assert lines[0].startswith("ecm-fast:   0%|")
+    assert " 0/2000 [00:" in lines[0]
+    assert "cases/s]" in lines[-3]
+    assert " 2000/2000 [" in lines[-2]

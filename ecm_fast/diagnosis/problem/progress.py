@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 
+from tqdm import tqdm
+
 __all__ = ["STAGES", "Progress"]
 
 STAGES = ("search", "all rows", "proof")
@@ -33,5 +35,5 @@ class Progress:
     def _say(self, more: str) -> None:
         if self._tell is not None:
             share = (self._stage + self._steps / (self._steps + _HALF)) / len(STAGES)
-            done = int(share * _BAR)
-            self._tell(f"[{'#' * done}{'.' * (_BAR - done)}] {STAGES[self._stage]}{more}")
+            bar = tqdm.format_meter(share, 1.0, 0.0, ncols=_BAR + 2, ascii=".#", bar_format="[{bar}]")
+            self._tell(f"{bar} {STAGES[self._stage]}{more}")
