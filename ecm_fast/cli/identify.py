@@ -79,7 +79,7 @@ def _answer(fit: "Identification", path: str) -> dict[str, Any]:
 
 
 def _text(fit: "Identification") -> str:
-    lines = [f"{fit.rows} rows; {fit.level:.0%} intervals"]
+    lines = [f"{fit.counted}; {fit.level:.0%} intervals"]
     lines += [f"{name} {found}" for name, found in fit.parameters.items()]
     rms = [(name.split("_"), value) for name, value in fit.rms.items() if value is not None]
     lines.append(f"rms of measured less predicted: {', '.join(f'{n} {value:.6g} {unit}' for (n, unit), value in rms)}")

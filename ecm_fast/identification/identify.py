@@ -1,12 +1,14 @@
 """Identification of parameters from measurements, Section 2.4 of the paper: (42) with exact derivatives."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..data.columns import CAMERA_SIGMA
 from ..data.measurements import Measurements
 from ..data.repeated_rows import repeated_rows, without_poses
 from ..errors import InputError, real, shown
@@ -18,11 +20,12 @@ from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
 from ..models.instruments.checks.checks import faults
 from ..models.instruments.checks.finding import Finding
-from .least_squares import NEAR, Loss, Minimum, minimize, visible
+from .least_squares import NEAR, Loss, Minimum, visible
 from .result import Estimate, Identification, Objective
 from .rows import CHANNELS, RESIDUAL, FitRows, FitSet, Noise, State, prior_std
+from .starts import starts
 from .variance_components import VarianceComponents
-from .warnings import in_words
+from .warnings import far_off, in_words
 
 __all__ = ["fit_parameters", "identify", "t_quantile"]
 
@@ -126,7 +129,7 @@ def fit_parameters(
         raise InputError(f"level = {shown(level)}: allowed is a number between 0 and 1")
     if force_sigma is not None and not 0.0 <= real("force_sigma", force_sigma) < np.inf:
         raise InputError(f"force_sigma = {shown(force_sigma)}: allowed is a finite number >= 0")
-    return _Fit(rows, prior, Loss(loss, loss_scale), level).run(force_sigma)
+    return _Fit(rows, prior, Loss(loss, loss_scale), level, force_sigma).best()
 
 
 def _faults(sets: Sequence[FitSet], names: Sequence[str]) -> list[list[Finding]]:
@@ -155,18 +158,49 @@ def _without_repeats(sets: Sequence[FitSet]) -> list[FitSet]:
 class _Fit:
     """One fit: rows, priors (k, 3) of place, value and standard deviation, loss."""
 
-    def __init__(self, rows: FitRows, prior: Array, loss: Loss, level: float) -> None:
-        self.rows, self.prior, self.loss, self.level = rows, prior, loss, level
+    def __init__(self, rows: FitRows, prior: Array, loss: Loss, level: float, force_sigma: float | None) -> None:
+        self.rows, self.prior, self.loss, self.level, self.force_sigma = rows, prior, loss, level, force_sigma
         self.lower, self.upper = rows.bounds()
-        self.used = rows.wanted
+        self.used, self.barred = rows.wanted, np.zeros(rows.n, dtype=bool)
 
-    def run(self, force_sigma: float | None) -> Identification:
+    def best(self) -> Identification:
+        """Fit from the mechanism's values, and where that leaves a doubt from others, of which the best fit counts.
+
+        Raises
+        ------
+        InputError : no start has enough rows with a stable equilibrium; of the mechanism's own start.
+        """
+        start = np.clip(pack(self.rows.sets[0].mechanism)[self.rows.places], self.lower, self.upper)
+        refused, found = None, []
+        try:
+            found.append(self.run(start))
+        except InputError as error:
+            refused = error
+        if not found or _doubtful(found[0], self.rows.measured):
+            for other in starts(self.rows, self._objective, start):
+                with suppress(InputError):
+                    found.append(self.run(other))
+        if not found and refused is not None:
+            raise refused
+        best = max(found, key=self._merit)
+        return replace(best, solves=self.rows.solves)
+
+    def _merit(self, fit: Identification) -> tuple[bool, int, float]:
+        """Return how good a fit is: whether it settled, how many readings it counts, how near it comes to them."""
+        sigma = np.where(np.isnan(self.rows.declared), CAMERA_SIGMA, self.rows.declared)
+        place, center, spread = self.prior[:, 0].astype(int), self.prior[:, 1], self.prior[:, 2]
+        off = self.loss.total((fit.residual / sigma)[fit.used]) + float(
+            (((fit.values[place] - center) / spread) ** 2).sum()
+        )
+        return fit.settled, int(fit.used.sum()), -off
+
+    def run(self, start: Array) -> Identification:
         """Fit until neither the weights nor the rows that can be used change."""
-        rows, robust = self.rows, self.loss.name != "linear"
-        values = np.clip(pack(rows.sets[0].mechanism)[rows.places], self.lower, self.upper)
+        rows, robust, values = self.rows, self.loss.name != "linear", start
+        self.barred = np.zeros(rows.n, dtype=bool)
         state = rows.at(values)
         self._use(state)
-        noise, weights, settled, near = Noise.of(rows, state, force_sigma), None, False, _NEAR_ENOUGH
+        noise, weights, settled, near = Noise.of(rows, state, self.force_sigma), None, False, _NEAR_ENOUGH
         for _ in range(_ROUNDS):
             spread = noise.components(rows, state, self.used, self._known(values), robust=robust)
             sigma = noise.sigma if spread is None else spread.sigma
@@ -174,11 +208,13 @@ class _Fit:
             if before is not None and near == NEAR and _same(before, weights):
                 settled = minimum.settled  # noqa: F821  bound in the first round
                 break
-            objective = self._objective(weights)
+            objective = self._objective(weights, self.used)
             near = NEAR if before is not None or noise.fixed(self.used) else _NEAR_ENOUGH
-            minimum = minimize(objective.residuals, values, self.lower, self.upper, self.loss, objective.plain, near)
+            minimum = objective.minimum(values, near)
             values = minimum.values
             state = rows.at(values)
+            if minimum.blocked is not None:  # rows that lose their equilibrium on the way keep all others from the best
+                self.barred |= self.used.any(axis=1) & ~rows.at(minimum.blocked).stable
             self._use(state)
         return self._result(objective, minimum, state, noise, spread, settled)
 
@@ -193,17 +229,17 @@ class _Fit:
 
     def _use(self, state: State) -> None:
         """Count the rows that are at a stable equilibrium now."""
-        self.used = self.rows.wanted & state.stable[:, None]
+        self.used = self.rows.wanted & (state.stable & ~self.barred)[:, None]
         count, unknown = int(self.used.sum()) + len(self.prior), len(self.rows.names)
         if count < unknown:
-            lost = int((self.rows.wanted.any(axis=1) & ~state.stable).sum())
+            lost = int((self.rows.wanted.any(axis=1) & ~(state.stable & ~self.barred)).sum())
             why = f" ({lost} rows have no stable equilibrium)" if lost else ""
             raise InputError(f"{count} readings and priors{why} do not determine {unknown} parameters; "
                              f"at least {unknown} are needed")  # fmt: skip
 
-    def _objective(self, weights: Array) -> Objective:
-        """Return the sum of squares with given weights: the rows now in use, then the priors."""
-        rows, used, rows_in_use = self.rows, self.used, self.used.any(axis=1)
+    def _objective(self, weights: Array, used: Mask) -> Objective:
+        """Return the sum of squares with given weights: the readings in use, (n, 3), then the priors."""
+        rows, rows_in_use = self.rows, used.any(axis=1)
         p = len(rows.names)
         place, center, spread = self.prior[:, 0].astype(int), self.prior[:, 1], self.prior[:, 2]
         by_prior = np.eye(p)[place] / spread[:, None]
@@ -242,6 +278,7 @@ class _Fit:
                 covariance = np.where(np.isinf(curvature), curvature, spread.covariance)
             rows_told = int((self.used & (noise.origin == RESIDUAL)).any(axis=1).sum())
             untold = np.full(len(values), rows_told < _FEWEST_ROWS or dof < 1) | ~(freedom >= _FEWEST_DOF)
+            untold |= ~(np.diag(covariance) > 0.0)
             covariance[untold, untold] = np.inf
         std = np.sqrt(np.diag(covariance))
         reach = np.array([t_quantile(self.level, float(nu)) for nu in freedom])
@@ -277,7 +314,7 @@ class _Fit:
             _reach=reach * widened,
             _objective=objective,
         )
-        return in_words(result, self.prior, (singular, directions), known=spread is None)
+        return in_words(result, self.prior, (singular, directions), rows.measured, known=spread is None)
 
     def _covariance(self, minimum: Minimum, scale: Array, plain: int) -> Array:
         """Return the covariance of the parameters, (p, p), inf for those that nothing sees.
@@ -302,8 +339,14 @@ class _Fit:
         return np.asarray(covariance)
 
     def _left_out(self, state: State) -> Iterator[tuple[str, str]]:
-        for i in np.flatnonzero(self.rows.wanted.any(axis=1) & ~state.stable):
-            yield self.rows.where(int(i)), Status(int(state.status[i])).name.lower().replace("_", " ")
+        for i in np.flatnonzero(self.rows.wanted.any(axis=1) & ~self.used.any(axis=1)):
+            status = Status(int(state.status[i])).name.lower().replace("_", " ")
+            yield self.rows.where(int(i)), status if not state.stable[i] else "no stable equilibrium at a better fit"
+
+
+def _doubtful(fit: Identification, measured: Array) -> bool:
+    """Whether a better minimum is worth a search: rows left out, a fit that did not settle, or readings far off."""
+    return bool(fit.left_out) or not fit.settled or bool(far_off(fit, measured))
 
 
 def _experiments(

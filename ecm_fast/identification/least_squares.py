@@ -84,6 +84,7 @@ class Minimum:
     total : the sum there
     residual : (m,), jacobian : (m, p)
     settled : whether it was reached, as near as was asked for or to rounding
+    blocked : (p,) nearest values tried where there are no residuals, if these are what kept it from settling
     """
 
     values: Array
@@ -91,6 +92,7 @@ class Minimum:
     residual: Array = field(repr=False)
     jacobian: Array = field(repr=False)
     settled: bool = True
+    blocked: Array | None = field(default=None, repr=False)
 
 
 def minimize(
@@ -122,7 +124,7 @@ def minimize(
     now = _at(residuals, values, loss, plain)
     if now is None:
         raise ValueError("no residuals at the start")
-    damping, growth = 0.0, 2.0
+    damping, growth, blocked = 0.0, 2.0, None
     for _ in range(_STEPS):
         total, residual, jacobian, gradient, normal = now
         free = (lower < upper) & ~((values <= lower) & (gradient > 0.0)) & ~((values >= upper) & (gradient < 0.0))
@@ -139,15 +141,16 @@ def minimize(
         if there is not None and gain > 1e-4:
             values, now = trial, there
             damping = 0.0 if gain > 0.75 and damping < 1e-3 else damping * max(0.2, 1.0 - (2.0 * gain - 1.0) ** 3)
-            growth = 2.0
+            growth, blocked = 2.0, None
             continue
-        if 0.0 <= promised <= _STALLED * total:
+        blocked = trial if there is None and moved.any() else None
+        if blocked is None and 0.0 <= promised <= _STALLED * total:
             return Minimum(values, total, residual, jacobian)
         if damping > _MOST_DAMPING:
             break
         damping, growth = max(1e-3, damping * growth), 2.0 * growth
     total, residual, jacobian, _, _ = now
-    return Minimum(values, total, residual, jacobian, settled=False)
+    return Minimum(values, total, residual, jacobian, settled=False, blocked=blocked)
 
 
 _Point = tuple[float, Array, Array, Array, Array]

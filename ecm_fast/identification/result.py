@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..data.columns import COLUMNS
 from ..errors import InputError, did_you_mean
 from ..mechanism.mechanism import Mechanism
-from .least_squares import Loss, Minimum, Residuals, minimize
+from .least_squares import NEAR, Loss, Minimum, Residuals, minimize
 from .rows import CHANNELS
 
 __all__ = ["Estimate", "Identification", "Objective", "Profile"]
@@ -94,11 +94,15 @@ class Objective:
     loss: Loss
     plain: int
 
+    def minimum(self, start: Array, near: float = NEAR) -> Minimum:
+        """Return the minimum downhill from `start`, see `minimize`."""
+        return minimize(self.residuals, start, self.lower, self.upper, self.loss, self.plain, near)
+
     def held(self, place: int, value: float, start: Array) -> Minimum:
         """Return the minimum over all parameters but one."""
         lower, upper = self.lower.copy(), self.upper.copy()
         lower[place] = upper[place] = value
-        return minimize(self.residuals, start, lower, upper, self.loss, self.plain)
+        return replace(self, lower=lower, upper=upper).minimum(start)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -163,6 +167,11 @@ class Identification:
         """How many rows the fit counted."""
         return int(self.used.any(axis=1).sum())
 
+    @property
+    def counted(self) -> str:
+        """How many rows the fit counted, in words, and of how many where some are left out."""
+        return f"{self.rows} of {self.rows + len(self.left_out)} rows" if self.left_out else f"{self.rows} rows"
+
     @cached_property
     def rms(self) -> dict[str, float | None]:
         """Root mean square of `residual` by channel, ``x_m``, ``z_m``, ``theta_rad``, fitted or not."""
@@ -215,7 +224,7 @@ class Identification:
 
     def __repr__(self) -> str:
         noise = ", ".join(f"{name} {origin}" for name, origin in self.noise.items())
-        lines = [f"<Identification from {self.rows} rows, {self.level:.0%} intervals; noise: {noise}"]
+        lines = [f"<Identification from {self.counted}, {self.level:.0%} intervals; noise: {noise}"]
         lines += [f"  {name} {estimate}" for name, estimate in self.parameters.items()]
         rms = ", ".join(f"{name} {value:.3g}" for name, value in self.rms.items() if value is not None)
         lines += [f"  rms {rms}; chi2 {self.chi2:.4g} with {self.dof} degrees of freedom"]

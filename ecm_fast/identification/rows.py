@@ -129,6 +129,11 @@ class FitRows:
         """Return a column of the measurements for all rows."""
         return np.concatenate([getattr(entry.data, name) for entry in self.sets])
 
+    @property
+    def declared(self) -> Array:
+        """Noise that the readings declare, (n, 3) [m, m, rad], nan where they do not."""
+        return np.column_stack([self.joined(f"sigma_{name}") for name in CHANNELS])
+
     def where(self, i: int) -> str:
         """Return the place of a row as a user finds it."""
         first = int(np.argmax(self.member == self.member[i]))
@@ -193,7 +198,7 @@ class Noise:
         ------
         InputError : a row declares that it has no noise at all.
         """
-        sigma = np.column_stack([rows.joined(f"sigma_{name}") for name in CHANNELS])
+        sigma = rows.declared
         none = rows.wanted & (sigma == 0.0)
         if none.any():
             i, channel = np.argwhere(none)[0]

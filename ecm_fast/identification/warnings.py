@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data.columns import CAMERA_SIGMA, CHANNELS
 from .result import Identification
 from .rows import RESIDUAL
 
@@ -17,10 +18,13 @@ _UNSEEN = 1.0  # standard deviation of a combination, in units of the parameters
 _PART = 0.1  # smallest part of a combination that is worth naming
 _CORRELATED, _DRIFTED, _IMPLAUSIBLE = 0.99, 3.0, 1e-3
 _NEAR_BOUND = 1e-9
+_FEW_ROWS, _FAR, _LARGE = 3, 10.0, 0.1  # rms over that of a camera, and over what the readings vary by
 _FEW_DOF = 5.0  # where Student's t makes a 90 % interval a quarter wider than known noise does
 
 
-def in_words(fit: Identification, prior: Array, seen: tuple[Array, Array], *, known: bool) -> Identification:
+def in_words(
+    fit: Identification, prior: Array, seen: tuple[Array, Array], measured: Array, *, known: bool
+) -> Identification:
     """Return the fit with its warnings.
 
     Parameters
@@ -28,6 +32,7 @@ def in_words(fit: Identification, prior: Array, seen: tuple[Array, Array], *, kn
     fit : as found
     prior : (k, 3) place, value and standard deviation
     seen : singular values and directions of what the data see, priors left out, see `least_squares.visible`
+    measured : (n, 3) the readings [m, m, rad]
     known : whether the noise is known from elsewhere than the residual
     """
     texts = [
@@ -38,6 +43,7 @@ def in_words(fit: Identification, prior: Array, seen: tuple[Array, Array], *, kn
         *_drift(fit, prior),
         *_correlated(fit),
         *_misfit(fit, known),
+        *_far_off(fit, measured, known),
     ]
     if not fit.settled:
         texts.append("the fit stopped before it settled: better start values or a prior may help")
@@ -110,6 +116,29 @@ def _correlated(fit: Identification) -> Iterator[str]:
         if abs(fit.correlation[i, j]) > _CORRELATED:
             size = f"{fit.correlation[i, j]:+.4f}"
             yield f"{names[i]} and {names[j]} are correlated by {size}: the data tell one from the other, not both"
+
+
+def far_off(fit: Identification, measured: Array) -> dict[str, tuple[float, float]]:
+    """Return by channel rms and share of the readings' spread that a fit leaves, where both are large."""
+    found = {}
+    for i, (name, sigma) in enumerate(zip(CHANNELS, CAMERA_SIGMA, strict=True)):
+        here = fit.used[:, i]
+        if int(here.sum()) < _FEW_ROWS:
+            continue
+        rms = float(np.sqrt(np.mean(fit.residual[here, i] ** 2)))
+        spread = float(np.std(measured[here, i]))
+        if rms > _FAR * sigma and rms > _LARGE * spread:
+            found[name] = rms, rms / max(spread, 1e-300)
+    return found
+
+
+def _far_off(fit: Identification, measured: Array, known: bool) -> Iterator[str]:
+    if known:
+        return
+    for name, (rms, share) in far_off(fit, measured).items():
+        unit = "rad" if name == "theta" else "m"
+        yield (f"the fit leaves {rms:.3g} {unit} of {name}, {share:.0%} of what it varies by: something is missing in "
+               f"the model, or another start finds a better minimum")  # fmt: skip
 
 
 def _misfit(fit: Identification, known: bool) -> Iterator[str]:
