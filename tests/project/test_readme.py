@@ -61,7 +61,7 @@ def test_the_first_block_prints_what_stands_below_it(capsys):
 
 @pytest.mark.parametrize("page", [page for page in PAGES if commands(page)], ids=lambda page: page.parent.name)
 def test_commands_run_in_order(page, tmp_path, monkeypatch, capsys):
-    """Truth: the page, whose commands must succeed as printed, one after the other."""
+    """Truth: the page, whose commands must succeed as printed, one after the other, with the answer that it shows."""
     monkeypatch.chdir(tmp_path)
     neck = Mechanism().replace(pulley_radius=0.005)
     measure(neck, tendon_test(grid=6, seed=1), Sensors(force_sigma=0.1), seed=1).to_csv("run.csv")
@@ -76,6 +76,10 @@ def test_commands_run_in_order(page, tmp_path, monkeypatch, capsys):
         words = shlex.split(command)
         assert words[:3] == ["python3", "tools/run.py", "ecm-fast"]
         assert main(words[3:]) == 0, capsys.readouterr().err
+    if page == README:
+        printed = " ".join(capsys.readouterr().out.split())
+        sentence, *lines = blocks(README, "text")[2].replace("the\nmechanism", "the mechanism").splitlines()
+        assert all(" ".join(line.split()) in printed for line in (sentence, *lines))
 
 
 def test_the_readme_fits_in_150_lines():
