@@ -23,6 +23,7 @@ __all__ = [
     "by_first_type",
     "call_at",
     "call_kernel",
+    "copy",
     "kernel",
     "named_address",
     "ordered_kernel",
@@ -81,6 +82,16 @@ def _compile(function: Callable[..., Any], fastmath: set[str], *, forceinline: b
     if dispatcher is not function:  # it is where NUMBA_DISABLE_JIT is set
         dispatcher._cache = KernelCache(function)
     return dispatcher
+
+
+@step_kernel
+def copy(source, target):
+    """Copy a vector into one that is at least as long.
+
+    `target[:] = source` compiles the words of an error too, two seconds of them for the control step alone.
+    """
+    for i in range(source.shape[0]):
+        target[i] = source[i]
 
 
 @intrinsic

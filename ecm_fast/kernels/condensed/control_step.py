@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import copy, kernel
 from ..general.newton import advance, solve_work_size
 from ..general.sensitivity import tip_derivatives
 from ..general.tip import force_slopes
@@ -95,7 +95,7 @@ def rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacob
     Returns x, z, theta, status; what is not an equilibrium, and its derivatives, are nan.
     """
     if afresh:
-        q[:] = q_rest
+        copy(q_rest, q)
     loads[L_LAM_L], loads[L_LAM_R] = lam_l, lam_r
     status = advance(tables, stations, tip, q_rest, loads, q, work, out)
     if status > UNSTABLE:

@@ -24,7 +24,7 @@ for an order, and `step` holds what loops over it. The order is the length of th
 
 import numpy as np
 
-from .._jit import kernel, step_kernel
+from .._jit import copy, kernel, step_kernel
 from ..layout import (
     C_INV_FORCE2,
     C_INV_LENGTH2,
@@ -38,7 +38,6 @@ from ..layout import (
     N_KEPT,
     N_POINT,
     N_SECTION,
-    N_TIP,
     NOT_CONVERGED,
     P_THETA,
     R_EXTREME,
@@ -112,10 +111,10 @@ def state_size(order: int) -> int:
 def put_head(hooke, tip, theta0, stretch, con):
     """Put the constants before `C_STATION`, which do not depend on the mesh; arguments as in `condense`."""
     length = tip[T_LENGTH]
-    con[:N_TIP] = tip
+    copy(tip, con)
     con[C_THETA0], con[C_TIP], con[C_SHIFT] = theta0, theta0, SHIFT
     con[C_INV_LENGTH2], con[C_INV_FORCE2] = 1.0 / (length * length), (FORCE_SHARE / tip[T_BENDING_FORCE]) ** 2
-    con[C_STRETCH:C_STATION] = stretch[1 if hooke > 0.5 else 0]
+    copy(stretch[1 if hooke > 0.5 else 0], con[C_STRETCH:])
 
 
 @step_kernel

@@ -5,7 +5,7 @@ is static condensation and band factorization in one; what is left at the end is
 at the tip. The factor is kept in band storage, 3 n_a - 1 entries below the diagonal.
 """
 
-from .._jit import kernel
+from .._jit import copy, kernel
 from ..layout import L_GRAVITY, T_CLAMP_TILT, T_CLAMP_X, T_FURTHER
 from .elements.dispatch import element, sizes
 from .tip import tip_wrench
@@ -84,7 +84,7 @@ def newton_step(tables, stations, tip, loads, q, work, step, K_tip):
             clamped = 0
             _support(front, res, tip, q)
         not_positive += eliminate(front, clamped, width, res, band[first_row : first_row + width])
-        step[first_row : first_row + width] = res[:width]
+        copy(res[:width], step[first_row:])
         _read_lower(front, width, K_tip)
         first_row += width
 

@@ -7,7 +7,7 @@ step must end in a stable equilibrium near the one before.
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import copy, kernel
 from ..layout import (
     CONVERGED,
     INVALID_INPUT,
@@ -63,7 +63,7 @@ def solve(tables, stations, tip, q_rest, loads, q, work, out):
     """
     out[:] = np.nan
     out[O_ITERATIONS], out[O_FACTOR] = 0.0, 0.0
-    q[:] = q_rest
+    copy(q_rest, q)
     if not _possible(loads):
         return INVALID_INPUT
     n = q.shape[0]
@@ -148,45 +148,45 @@ def _step_size(step, length):
 @kernel
 def _follow(tables, stations, tip, q_rest, loads, q, work, out):
     """Let all loads grow from zero along the stable branch; where it ends, say why."""
-    q[:] = q_rest
+    copy(q_rest, q)
     out[O_FACTOR] = 0.0
-    reached = _walk(tables, stations, tip, loads, q, work, out, 0.0, True)
+    reached = _walk(tables, stations, tip, loads, q, work, out, 0.0)
     out[O_FACTOR] = reached
     if reached == 1.0:
         return CONVERGED
     if out[O_FREE_LENGTH] < SHORT_TENDON * tip[T_LENGTH]:
         return TENDON_ZERO_LENGTH
-    if reached > 0.0 and _walk(tables, stations, tip, loads, q, work, out, reached, False) == 1.0:
+    if reached > 0.0 and _walk(tables, stations, tip, loads, q, work, out, reached) == 1.0:
         return UNSTABLE
     return NOT_CONVERGED
 
 
 @kernel
-def _walk(tables, stations, tip, loads, q, work, out, start, stable):
+def _walk(tables, stations, tip, loads, q, work, out, start):
     """Follow equilibria from the load factor `start`, at `q`, towards 1; returns the factor reached.
 
-    stable : every equilibrium must be stable; otherwise none may be
-
-    Each load step starts at the equilibrium before, and its length follows how well that went.
+    From 0 on every equilibrium must be stable; from farther on, where the stable branch ends, none may be. Each load
+    step starts at the equilibrium before, and its length follows how well that went.
     """
     n = q.shape[0]
     step, last = work[:n], work[n : 2 * n]
     scaled, rest = work[2 * n : 2 * n + N_LOADS], work[2 * n + N_LOADS :]
+    stable = start == 0.0
     wanted = CONVERGED if stable else UNSTABLE
     reached, stride = start, FIRST_LOAD_STEP
     free_length = out[O_FREE_LENGTH]
-    last[:] = q
+    copy(q, last)
     for i in range(MAX_LOAD_STEPS):
         # the unloaded state itself needs solving for a beam cast with a curvature: one step, however large
         unloaded = i == 0 and start == 0.0
         factor = 0.0 if unloaded else min(1.0, reached + stride)
         limit = np.inf if unloaded else LOAD_STEP_LIMIT
-        scaled[:] = loads
-        scaled *= factor
-        q[:] = last
+        for k in range(N_LOADS):
+            scaled[k] = factor * loads[k]
+        copy(last, q)
         status = _correct(tables, stations, tip, scaled, q, rest, step, out, limit, 0.5 if stable else 1.0)
         if status == wanted:
-            last[:] = q
+            copy(q, last)
             reached, free_length = factor, out[O_FREE_LENGTH]
             if reached == 1.0:
                 break
@@ -195,6 +195,6 @@ def _walk(tables, stations, tip, loads, q, work, out, start, stable):
             stride *= 0.4
             if stride < LAST_LOAD_STEP or unloaded:
                 break
-    q[:] = last
+    copy(last, q)
     out[O_FREE_LENGTH] = free_length
     return reached

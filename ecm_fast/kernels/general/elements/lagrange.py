@@ -1,6 +1,6 @@
 """One Lagrange element of any order: its internal force less its dead load, and its tangent."""
 
-from ..._jit import kernel, step_kernel
+from ..._jit import copy, kernel, step_kernel
 from ...layout import S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
 from ...trig import sincos
 from ..section import section_law
@@ -145,4 +145,4 @@ def take(basis, q, step, fresh):
             for a in range(1, n_a):
                 fresh[first + 3 * a] += basis[2, g, a] * (new_x * c + new_z * s)
                 fresh[first + 3 * a + 1] += basis[2, g, a] * (new_z * c - new_x * s)
-    q[:] = fresh
+    copy(fresh, q)
