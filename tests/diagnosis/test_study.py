@@ -392,7 +392,7 @@ def test_hostile_questions_are_answered_in_one_line(bent):
         ({"candidates": []}, "give at least one effect"),
         ({"uncertain": {"lever_am": 1e-3}}, "lever_am"),
         ({"uncertain": {"lever_arm": -1e-3}}, "allowed is a number > 0"),
-        ({"priors": {"GA": (2400.0, 0.0)}}, "allowed is a number > 0"),
+        ({"priors": {"GA": (2400.0, 0.0)}}, "allowed is a finite number > 0"),
         ({"priors": {"length": (0.1, 0.01)}}, "declare it uncertain too"),
         ({"alpha": 0.0}, "alpha = 0.0"),
         ({"max_effects": 5}, "max_effects = 5"),

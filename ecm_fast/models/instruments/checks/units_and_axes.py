@@ -33,6 +33,7 @@ _ROWS = 40
 _FEWEST = 5  # readings of a channel below which its label is not judged
 _GOOD = 0.35
 """Misfit up to which a channel counts as explained. Effects of twice their typical size leave up to 0.2, calibrated."""
+_OFF = 1.0  # misfit from which on it is said that nothing explains a channel: more than its readings vary
 _STRAY = 1.0  # the same of the tenth of the readings that fit worst: a change that half of the rows need is none
 _MOSTLY = 0.3  # share of the rows with an equilibrium from which on these alone judge the labels
 _POOR = 3.0  # misfit that says no more than that nothing fits
@@ -269,7 +270,7 @@ class _Words:
         if self.best.changes and self.best.good and self.best.price < _BETTER * plain.price:
             changes = sorted(self.best.changes, key=lambda change: change.kind == "origin")
             return [finding for change in changes for finding in self._of(change)]
-        return [self._unexplained(name, usual) for name, (usual, _) in plain.misfit.items() if usual > _GOOD]
+        return [self._unexplained(name, usual) for name, (usual, _) in plain.misfit.items() if usual > _OFF]
 
     def _of(self, change: Change) -> list[Finding]:
         if change.kind == "sign" and len(change.columns) > 1 and not self._beside_tendons():
