@@ -4,10 +4,12 @@ import copy
 import functools
 import pickle
 import re
+import tracemalloc
 from typing import Any
 
 import numpy as np
 import pytest
+from numba.core.runtime import _nrt_python, rtsys
 
 import ecm_fast as ecm
 from ecm_fast.__main__ import main
@@ -136,6 +138,28 @@ def test_a_load_without_equilibrium_passes_nothing_on() -> None:
     answers = np.array([step(*row) for row in lam.tolist()])
     assert not np.isfinite(known.pose[2]).any()
     np.testing.assert_allclose(answers[:, :3], known.pose, rtol=0.0, atol=1e-12)
+
+
+def test_a_step_along_a_path_asks_for_no_memory() -> None:
+    """Numba's own count and Python's: thousands of steps leave nothing behind."""
+    step = ecm.FiniteElementModel(NECK.replace(**TOGETHER), order=4).stepper(derivatives=True)
+    loads = [(80.0 + 70.0 * np.sin(0.01 * i), 80.0 + 70.0 * np.cos(0.02 * i)) for i in range(5000)]
+    step(40.0, 10.0, 0.0, 1.0)
+    _nrt_python.memsys_enable_stats()
+    before = rtsys.get_allocation_stats()
+    tracemalloc.start()
+    try:
+        first = tracemalloc.get_traced_memory()[0]
+        for lam_l, lam_r in loads:
+            step(lam_l, lam_r, 1.0, 1.0)
+        last, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+        after = rtsys.get_allocation_stats()
+        _nrt_python.memsys_disable_stats()
+    assert after == before
+    assert last - first < 1000
+    assert peak - first < 2000
 
 
 # Who knows no order
