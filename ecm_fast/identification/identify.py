@@ -107,7 +107,7 @@ def identify(
     several = len(sets) > 1
     texts = (f"{entry.data.source}: {finding}" if several else str(finding)
              for entry, part in zip(sets, found, strict=True) for finding in part)  # fmt: skip
-    return replace(fit, warnings=(*texts, *fit.warnings))
+    return replace(fit, warnings=(*fit.warnings, *texts))
 
 
 def fit_parameters(

@@ -10,7 +10,7 @@ from ecm_fast.diagnosis.checks.coverage import coverage
 from ecm_fast.errors import InputError
 from ecm_fast.mechanism.mechanism import Mechanism
 from ecm_fast.models.instruments.checks.checks import check, faults
-from ecm_fast.testbed import Sensors, in_sequence, measure, shear_test, tendon_test
+from ecm_fast.testbed import Sensors, compression_test, in_sequence, measure, shear_test, tendon_test
 
 pytestmark = pytest.mark.slow
 
@@ -269,6 +269,15 @@ def test_a_stiffness_of_which_nothing_is_known_is_fitted(plain) -> None:
     """Forces of another unit would explain a neck that is ten times too stiff as well; EI is what is asked."""
     fit = ecm.identify(NECK.replace(EA=75000.0, GA=24200.0, EI=30.0), plain, ["EA", "GA", "EI"])
     assert fit["EI"].value == pytest.approx(3.0, rel=0.01)
+
+
+def test_a_channel_that_stands_still_is_refused(plain) -> None:
+    """Known truth: the column was overwritten; a neck that is only pushed keeps its z, and that is no fault."""
+    still = columns(plain, theta_rad=("theta", 0.0, 0.0))
+    with pytest.raises(InputError, match="theta_rad: one number in all 80 rows though the loads change"):
+        check(NECK, still)
+    specimen, pushes = compression_test()
+    assert not faults(specimen, measure(specimen, pushes, Sensors.perfect(), 1))
 
 
 def test_coarse_readings_are_said() -> None:

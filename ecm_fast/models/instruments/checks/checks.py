@@ -1,13 +1,13 @@
 """Faults of measurements that have nothing to do with the mechanism, each in one line with its cure."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....data.columns import CHANNELS, COLUMNS
+from ....data.columns import CAMERA_SIGMA, CHANNELS, COLUMNS
 from ....data.measurements import Measurements
 from ....data.repeated_rows import repeated_rows
 from ....errors import InputError
@@ -83,7 +83,7 @@ def faults(mechanism: Mechanism, data: Measurements, unknown: Collection[str] = 
     if not data.measured.any():
         needed = ", ".join(COLUMNS[name].names[0] for name in CHANNELS)
         return [Finding("no pose", (), "no row holds a measured pose", f"give {needed}", True)]
-    stuck = _same_pose(data)
+    stuck = [*_same_pose(data), *_still_channels(mechanism, data)]
     if any(finding.certain for finding in stuck):
         return stuck
     cells, labels = force_cell_findings(mechanism, data), label_findings(mechanism, data, unknown)
@@ -110,6 +110,22 @@ def _same_pose(data: Measurements) -> list[Finding]:
     rows = tuple(int(data.rows[known[i]]) for run in long for i in run)
     sentence = f"{places(data, rows)}: the pose stays the same to the last digit though the loads change"
     return [Finding("stuck", rows, sentence, "leave these rows out where the camera's log stood still")]
+
+
+def _still_channels(mechanism: Mechanism, data: Measurements) -> Iterator[Finding]:
+    """Yield channels that hold one number in all rows though the model moves them."""
+    still = [i for i, known in enumerate(data.measured.T) if known.sum() >= _STUCK and not np.ptp(data.pose[known, i])]
+    if not still:
+        return
+    pose = calibrate(mechanism, data, np.flatnonzero(data.measured.any(axis=1))).pose
+    for i in still:
+        moved = pose[np.isfinite(pose[:, i]), i]
+        if moved.size and np.ptp(moved) > _OUTLIER * CAMERA_SIGMA[i]:
+            name = CHANNELS[i]
+            column = next((given for given in data.columns if given.startswith(f"{name}_")), COLUMNS[name].names[0])
+            sentence = f"{column}: one number in all {int(data.measured[:, i].sum())} rows though the loads change"
+            cure = "the channel was not recorded: leave the column out, or record it again"
+            yield Finding("stuck", (), sentence, cure, True)
 
 
 def _repeated(data: Measurements) -> list[Finding]:

@@ -13,6 +13,7 @@ from .finding import Finding
 __all__ = ["resolution_findings"]
 
 _FEWEST = 20  # readings; fewer may be multiples of one step by chance
+_TIED = 0.8  # share of distinct readings; rounding makes many alike, evenly spaced loads do not
 _COARSE = 2.0  # times the noise: rounding then adds a third of its variance and is no longer random from row to row
 _ROUND = 1e-6  # of a step: how exactly readings are multiples of it
 _UNITS = ("mm", "mm", "mrad")
@@ -38,7 +39,7 @@ def _coarse(data: Measurements) -> Iterator[Finding]:
 def _step(values: NDArray[np.float64]) -> float:
     """Return the largest step of which the differences of all values are multiples, 0 where there is none."""
     distinct = np.unique(values)
-    if values.size < _FEWEST or distinct.size < 2:
+    if values.size < _FEWEST or not 2 <= distinct.size <= _TIED * values.size:
         return 0.0
     step = float(np.diff(distinct).min())
     many = (distinct - distinct[0]) / step
