@@ -11,7 +11,10 @@ __all__ = ["COMMAND"]
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--all", action="store_true", dest="everything", help="every order, family and degree, not the defaults alone"
+        "--all",
+        action="store_true",
+        dest="everything",
+        help="every family of elements and degree of polynomials too, not the defaults alone",
     )
 
 
@@ -26,4 +29,8 @@ def _run(args: argparse.Namespace) -> Answer:
     return Answer(answer, text, saved(args, answer))
 
 
-COMMAND = Command("compile every kernel and keep it, so that nobody waits for it later", _add_arguments, _run)
+COMMAND = Command(
+    "compile and keep the kernels of the default family and degree, of every order, so that nobody waits later",
+    _add_arguments,
+    _run,
+)

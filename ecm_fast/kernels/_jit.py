@@ -16,6 +16,7 @@ from llvmlite import binding, ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic, overload, register_jitable
 
+from . import _notice  # noqa: F401  registers itself with numba
 from ._cache import KernelCache
 
 __all__ = [

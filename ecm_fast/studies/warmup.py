@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ..kernels._cache import CACHE_FOLDER, KernelCache
+from ..kernels._notice import CompileNotice
 from ..kernels.general.tip import tendon_directions
 from ..kernels.polynomial import DEGREES
 from ..mechanism.mechanism import Mechanism
@@ -52,18 +53,21 @@ class Warmup:
 
 
 def warmup(*, everything: bool = False, progress: Callable[[str], None] | None = None) -> Warmup:
-    """Compile and keep every kernel that models, batches, control loops, sensitivities, polynomials and sweeps meet.
+    """Compile and keep the kernels that models, batches, control loops, sensitivities, polynomials and sweeps meet.
 
+    These are those of one element of every order that has a fast path, of 20 Lagrange elements of order 1, and of
+    polynomials of degree 3; other families, degrees and divisions are compiled when they are met, or by `everything`.
     What this process has loaded already is neither compiled nor looked up again.
 
     Parameters
     ----------
-    everything : elements of every order and family and polynomials of every degree, not the default ones alone
+    everything : elements of every family and polynomials of every degree too
     progress : called with one line of text before every step
     """
     start, before = time.perf_counter(), compilations()
+    CompileNotice.given = True  # who calls this knows
     families = tuple(FAMILIES) if everything else ("lagrange",)
-    touches = list(_touches(ORDERS if everything else (5,), DEGREES if everything else (3,), families))
+    touches = list(_touches(DEGREES if everything else (3,), families))
     for i, (what, touch) in enumerate(touches, start=1):
         if progress is not None:
             progress(f"{i} of {len(touches)}: {what}")
@@ -77,11 +81,11 @@ def compilations() -> tuple[int, int]:
     return KernelCache.compiled, KernelCache.loaded
 
 
-def _touches(orders: tuple[int, ...], degrees: tuple[int, ...], families: tuple[str, ...]) -> Iterator[Touch]:
+def _touches(degrees: tuple[int, ...], families: tuple[str, ...]) -> Iterator[Touch]:
     """Yield every way in, by what it is called."""
     neck = Mechanism.preset("slender")
     yield "one solve", lambda: FiniteElementModel(neck).solve((40.0, 10.0))
-    for order in orders:
+    for order in ORDERS:
         yield from _for_mesh(f"one element of order {order}", FiniteElementModel(neck, 1, order))
     for family in families:
         yield from _for_mesh(f"20 {family} elements", FiniteElementModel(neck, 20, 1, family=family))
