@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from .. import __version__
 from ..errors import InputError, did_you_mean
 from ._command import EXIT_CODES, Command
+from ._terminal import note
 
 if TYPE_CHECKING:
     from ..data.measurements import Measurements
@@ -216,4 +217,12 @@ def mechanism(args: argparse.Namespace) -> "Mechanism":
     """Return the mechanism that the arguments name."""
     from ..mechanism.mechanism import Mechanism
 
-    return Mechanism.preset() if args.mechanism is None else Mechanism.from_toml(args.mechanism)
+    if args.mechanism is None:
+        return Mechanism.preset()
+    found = Mechanism.from_toml(args.mechanism)
+    if found.assumed:
+        values = found.values()
+        taken = ", ".join(f"{name} = {values[name]}" for name in found.assumed)
+        note(f"{args.mechanism}: not given, so as in the preset 'slender': {taken}; preset = \"slender\" in the file "
+             "means them")  # fmt: skip
+    return found

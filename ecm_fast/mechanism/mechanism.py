@@ -58,6 +58,12 @@ def _restored_effects(values: Mapping[str, float]) -> Effects:
 class Mechanism:
     """A whole neck. Every number of it is one entry of the flat parameter vector (see `parameters`).
 
+    Attributes
+    ----------
+    beam, head, tendons, gravity, effects : the parts
+    assumed : names of values that a mechanism file does not give though an answer can depend on them, so that they are
+        the preset's; empty where the file names its preset. The command line lists them in one line
+
     Examples
     --------
     >>> neck = Mechanism.preset("slender").replace(EI=2.9, precurvature=0.2)
@@ -70,6 +76,7 @@ class Mechanism:
     tendons: Tendons = field(default_factory=Tendons)
     gravity: Gravity = field(default_factory=Gravity)
     effects: Effects = field(default_factory=Effects)
+    assumed: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     @classmethod
     def preset(cls, name: str = "slender") -> Self:
@@ -90,9 +97,18 @@ class Mechanism:
         """
         preset, changes = read_values(path)
         try:
-            return cls.preset(preset).replace(**changes)
+            found = cls.preset(preset or "slender").replace(**changes)
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
+        return found if preset else replace(found, assumed=found._missing(changes))
+
+    def _missing(self, given: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return the names of values that are not given and that some answer depends on."""
+        without = {"head.h", "head.b"} if self.head.mass == 0.0 else set[str]()
+        if self.gravity.g == 0.0 and "gravity.g" in given:
+            without |= {"beam.mass_per_length", "head.mass", "head.h", "head.b"}
+        names = (name for name in self.values() if not name.startswith("effects."))
+        return tuple(name for name in names if name not in given and name not in without)
 
     def to_toml(self, path: str | os.PathLike[str], remarks: Iterable[str] = ()) -> None:
         """Write a mechanism file that reads back to exactly this mechanism, with `remarks` as comments at its top."""

@@ -17,7 +17,7 @@ __all__ = ["read_values", "template", "write_values"]
 
 
 def read_values(path: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
-    """Return the preset that a mechanism file starts from, and its values by their full names.
+    """Return the preset that a mechanism file names, "" where it names none, and its values by their full names.
 
     Raises
     ------
@@ -50,8 +50,8 @@ def _values(content: dict[str, Any]) -> tuple[str, dict[str, Any]]:
 
 
 def _preset(content: Mapping[str, Any]) -> str:
-    name = content.get("preset", "slender")
-    if not isinstance(name, str):
+    name = content.get("preset", "")
+    if not isinstance(name, str) or (not name and "preset" in content):
         raise InputError(f"preset = {shown(name)}: allowed is {' or '.join(map(repr, PRESETS))}")
     return name
 

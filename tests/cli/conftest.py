@@ -7,7 +7,7 @@ from commands import Ended, Refused, Run
 
 from ecm_fast.cli import main
 
-BARE = "[beam]\nmass_per_length = 0.0\n[head]\nmass = 0.0\n"
+BARE = "preset = 'slender'\n[beam]\nmass_per_length = 0.0\n[head]\nmass = 0.0\n"
 
 
 @pytest.fixture

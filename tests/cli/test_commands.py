@@ -43,6 +43,19 @@ def process(*words: str, cwd: Path, env: dict[str, str] | None = None, **options
 # solve
 
 
+def test_what_a_file_does_not_say_is_listed_once(run: Run) -> None:
+    """A file with a beam alone: one line on stderr, none of it on stdout, and none once the preset is named."""
+    Path("rod.toml").write_text("[beam]\nlength = 0.5\n")
+    ended = run("solve", "--tendons", "0", "0", "--mechanism", "rod.toml", "--json")
+    assert ended.json["converged"]
+    assert ended.err.count("\n") == 1
+    assert ended.err.startswith("ecm-fast: rod.toml: not given, so as in the preset 'slender': beam.EA = 7500.0, ")
+    assert "beam.mass_per_length = 9.47, " in ended.err
+    assert "head.mass = 1.0, " in ended.err
+    Path("rod.toml").write_text("preset = 'slender'\n[beam]\nlength = 0.5\n")
+    assert run("solve", "--tendons", "0", "0", "--mechanism", "rod.toml", "--json").err == ""
+
+
 @pytest.mark.parametrize(("left", "right", "x", "z", "theta"), TENDONS)
 def test_solve_meets_the_shooting_solutions(
     run: Run, left: float, right: float, x: float, z: float, theta: float
@@ -58,7 +71,8 @@ def test_solve_meets_the_shooting_solutions(
 def test_solve_takes_the_mechanism_and_the_discretization(run: Run) -> None:
     """Shooting: a row of the table; the coarser mesh is farther off."""
     bare = Path("bare.toml").read_text()
-    Path("paper.toml").write_text('preset = "paper"\n' + bare.replace("[beam]", '[beam]\naxial_law = "hooke"'))
+    paper = bare.replace("slender", "paper").replace("[beam]", '[beam]\naxial_law = "hooke"')
+    Path("paper.toml").write_text(paper)
     left, right, x, z, theta = PAPER_HOOKE
     words = ("solve", "--tendons", left, right, "--mechanism", "paper.toml", "--json")
     fine, coarse = (

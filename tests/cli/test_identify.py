@@ -24,7 +24,7 @@ def run(run: Run) -> Run:
 
 def test_the_answer_holds_what_python_gives(run: Run) -> None:
     """Another way in: `identify` from Python."""
-    Path("off.toml").write_text("[beam]\nEA = 7000.0\nGA = 2800.0\nEI = 2.7\n")
+    Path("off.toml").write_text("preset = 'slender'\n[beam]\nEA = 7000.0\nGA = 2800.0\nEI = 2.7\n")
     words = (TENDON, SHEAR, "--fit", "EA", "GA", "EI", "--mechanism", "off.toml", "--out", "mine")
     ended, path = run(*words, "--json"), Path("mine/identified.toml")
     assert (ended.code, ended.err) == (0, f"ecm-fast: wrote {path}\n")

@@ -1,6 +1,7 @@
 """Mechanism, its file and its vector, against the paper and texts written by hand."""
 
 import copy
+import dataclasses
 import math
 import os
 import pickle
@@ -17,7 +18,7 @@ from ecm_fast.files import write_whole
 from ecm_fast.mechanism.catalogue import CATALOGUE
 from ecm_fast.mechanism.mechanism import Effects, Mechanism
 from ecm_fast.mechanism.parameters import PARAMETERS, find, index
-from ecm_fast.mechanism.sections import PRESETS, Beam, Gravity, Head, Tendons
+from ecm_fast.mechanism.sections import PRESETS, SECTIONS, Beam, Gravity, Head, Tendons
 from ecm_fast.mechanism.toml_file import template
 from ecm_fast.mechanism.vector import pack, unpack
 
@@ -480,3 +481,40 @@ def test_remarks_stand_at_the_top_and_change_nothing(tmp_path):
     FULL.to_toml(path, ["from run.csv", "two\nlines = 1"])
     assert path.read_text(encoding="utf-8").splitlines()[1:3] == ["# from run.csv", "# two lines = 1"]
     assert Mechanism.from_toml(path) == FULL
+
+
+def test_a_file_s_silence_is_listed(tmp_path: Path) -> None:
+    """A rod of which only the beam is written: what else decides whether it stands, from the preset's own table."""
+    (tmp_path / "rod.toml").write_text("[beam]\nlength = 0.5\nEA = 1.6e6\nGA = 5e5\nEI = 1.0\n")
+    rod = Mechanism.from_toml(tmp_path / "rod.toml")
+    named = {f"{name}.{item.name}" for name, part in SECTIONS.items() for item in dataclasses.fields(part)}
+    assert set(rod.assumed) == named - {"beam.length", "beam.EA", "beam.GA", "beam.EI"}
+    assert {"head.mass", "beam.mass_per_length", "gravity.g"} <= set(rod.assumed)
+    assert rod == Mechanism().replace(length=0.5, EA=1.6e6, GA=5e5, EI=1.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "gone"),
+    [
+        ('preset = "slender"\n[beam]\nEI = 2.0\n', None),
+        ("[head]\nmass = 0.0\n", {"head.h", "head.b"}),
+        ("[gravity]\ng = 0.0\n", {"beam.mass_per_length", "head.mass", "head.h", "head.b"}),
+    ],
+    ids=["preset", "massless", "weightless"],
+)
+def test_what_no_answer_depends_on_is_not_listed(tmp_path: Path, text: str, gone: set[str] | None) -> None:
+    """Statics: without weight no mass counts, without a head's mass no place of it; a preset that is named is meant."""
+    (tmp_path / "neck.toml").write_text(text)
+    assumed = Mechanism.from_toml(tmp_path / "neck.toml").assumed
+    assert assumed == () if gone is None else not gone & set(assumed)
+
+
+def test_written_files_say_everything(tmp_path: Path) -> None:
+    """Files of `init` and of `to_toml`, which a diagnosis writes."""
+    (tmp_path / "init.toml").write_text(template("paper"))
+    Mechanism().replace(EI=2.9).to_toml(tmp_path / "found.toml")
+    assert (
+        Mechanism.from_toml(tmp_path / "init.toml").assumed
+        == Mechanism.from_toml(tmp_path / "found.toml").assumed
+        == ()
+    )
