@@ -1,4 +1,4 @@
-"""How far a solution may be from that of the differential equations: one Newton step on elements of half the length.
+"""Estimate of the discretization error: one Newton step on elements of half the length.
 
 The solution, as a function along the beam, is a state of the finer mesh that is not yet in equilibrium there: its
 angles are polynomials that the finer elements take over exactly, its strains are those at the Gauss points, and the
