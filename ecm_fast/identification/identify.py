@@ -22,7 +22,7 @@ from ..models.instruments.checks.checks import faults
 from ..models.instruments.checks.finding import Finding
 from .least_squares import NEAR, Loss, Minimum, visible
 from .result import Estimate, Identification, Objective
-from .rows import CHANNELS, RESIDUAL, FitRows, FitSet, Noise, State, prior_std
+from .rows import CHANNELS, RESIDUAL, FitRows, FitSet, Noise, State, check_force_sigma, prior_std
 from .starts import starts
 from .variance_components import VarianceComponents
 from .warnings import far_off, in_words
@@ -127,8 +127,7 @@ def fit_parameters(
     prior = _prior(names, priors or {})
     if not 0.0 < real("level", level) < 1.0:
         raise InputError(f"level = {shown(level)}: allowed is a number between 0 and 1")
-    if force_sigma is not None and not 0.0 <= real("force_sigma", force_sigma) < np.inf:
-        raise InputError(f"force_sigma = {shown(force_sigma)}: allowed is a finite number >= 0")
+    check_force_sigma(force_sigma)
     return _Fit(rows, prior, Loss(loss, loss_scale), level, force_sigma).best()
 
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data.columns import CHANNELS
+from ..data.columns import CHANNELS, COLUMNS
 from ..data.measurements import Measurements
-from ..errors import InputError, shown
+from ..errors import InputError, real, shown
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.parameters import find, index
 from ..mechanism.vector import pack
@@ -17,7 +17,7 @@ from ..models.equilibrium import Status
 from ..models.instruments.measuring_chain import CHANGES, MeasuringChain, row_parameters
 from .variance_components import VarianceComponents, variance_components
 
-__all__ = ["CHANNELS", "FitRows", "FitSet", "Noise", "State", "prior_std"]
+__all__ = ["CHANNELS", "FitRows", "FitSet", "Noise", "State", "check_force_sigma", "prior_std"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -303,6 +303,13 @@ class Noise:
         else:
             out[:, range(3), range(3)] = 1.0 / diagonal
         return out * used[:, None, :]
+
+
+def check_force_sigma(value: float | None) -> None:
+    """Complain about a noise of the force readings [N] that a column could not declare either."""
+    largest = COLUMNS["sigma_lam"].largest
+    if value is not None and not 0.0 <= real("force_sigma", value) <= largest:
+        raise InputError(f"force_sigma = {shown(value)}: allowed is a finite number >= 0, at most {largest:g} N")
 
 
 def prior_std(name: str, value: float, std: float, *, free: bool = False) -> float:

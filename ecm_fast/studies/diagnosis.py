@@ -25,6 +25,7 @@ from ..diagnosis.results.diagnosis import Diagnosis
 from ..diagnosis.results.plan import Plan
 from ..diagnosis.search.subsample import search_all
 from ..errors import InputError, real, shown
+from ..identification.rows import check_force_sigma
 from ..mechanism.mechanism import Mechanism
 from ..models.instruments.checks.checks import check
 from ..models.instruments.prediction import predict
@@ -71,8 +72,7 @@ class Study:
             raise InputError(f"alpha = {shown(self.alpha)}: allowed is a number between 0 and 1")
         if self.max_effects not in (0, 1, 2):
             raise InputError(f"max_effects = {shown(self.max_effects)}: allowed is 0, 1 or 2")
-        if self.force_sigma is not None and not 0.0 <= real("force_sigma", self.force_sigma) < np.inf:
-            raise InputError(f"force_sigma = {shown(self.force_sigma)}: allowed is a finite number >= 0")
+        check_force_sigma(self.force_sigma)
         if not self.parts:
             raise InputError("no measurements; a study takes at least one set")
 
