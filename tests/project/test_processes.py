@@ -78,7 +78,7 @@ def test_a_second_process_compiles_nothing(tmp_path):
     before = files(tmp_path)
     again, taken, same = answer(start(EVERY_WAY, tmp_path))[0].split()
     assert int(again) == 0
-    assert int(taken) > 5
+    assert int(taken) > 0
     assert same == answers
     assert files(tmp_path) == before
 
