@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from ..data.measurements import Measurements
 from ..errors import InputError, did_you_mean, shown
+from ..mechanism.derived import limits
 from ..mechanism.mechanism import Mechanism
-from ..mechanism.parameters import find, index
+from ..mechanism.parameters import index
 from ..mechanism.vector import pack
 from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
@@ -160,7 +161,7 @@ class _Density:
         if not np.isfinite(self.scale).all():
             name = names[int(np.argmin(np.isfinite(self.scale)))]
             raise InputError(f"no samples of {name}: {next(iter(fit.warnings), 'the measurements do not see it')}")
-        self.lower, self.upper = (np.array([getattr(find(name), end) for name in names]) for end in ("lower", "upper"))
+        self.lower, self.upper = np.array([limits(name, pack(fit.mechanism)) for name in names]).T
         self._places = [index(name) for name in names]
         self._chain, self._par = MeasuringChain(Discretization.of(1), data), pack(fit.mechanism)
         self._data, self._used = data, fit.used

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ..data.columns import CHANNELS, COLUMNS
 from ..data.measurements import Measurements
 from ..errors import InputError, real, shown
+from ..mechanism.derived import limits
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.parameters import find, index
 from ..mechanism.vector import pack
@@ -141,7 +142,8 @@ class FitRows:
 
     def bounds(self) -> tuple[Array, Array]:
         """Return the bounds of the parameters, (p,) each: with every row's own change they stay in their table's."""
-        lower, upper = np.array([[find(name).lower, find(name).upper] for name in self.names]).T
+        bounds = np.array([[limits(name, base) for name in self.names] for base in self._bases])
+        lower, upper = bounds[:, :, 0].max(axis=0), bounds[:, :, 1].min(axis=0)
         changed = {index(key): self.joined(name) for name, key in CHANGES.items()}
         for i, place in enumerate(self.places):
             if place in changed:

@@ -7,35 +7,39 @@ out (O,)        what a solve leaves (`O_*`)
 """
 
 # fmt: off
-# status of a solve, best first; `model.Status` says what each means for a user
-CONVERGED, UNSTABLE, NOT_CONVERGED, TENDON_ZERO_LENGTH, INVALID_INPUT = range(5)
+# status of a solve; up to UNSTABLE there is an equilibrium. `equilibrium.Status` says what each means for a user
+CONVERGED, UNSTABLE, NOT_CONVERGED, TENDON_ZERO_LENGTH, INVALID_INPUT, SECTION_UNSTABLE = range(6)
 
-# loads: tendon forces [N], dead wrench at Q [N, N, N m], share of gravity (1; load stepping lowers it)
-L_LAM_L, L_LAM_R, L_FX, L_FZ, L_TAU, L_GRAVITY, N_LOADS = range(7)
+# loads: tendon forces [N], dead wrench at Q [N, N, N m]; then what acts without them, 1 but for load stepping: share of
+# the weight, of the side force and of the zeros of the force cells, and share of what strains the beam (its curvature
+# as built and the user's laws)
+L_LAM_L, L_LAM_R, L_FX, L_FZ, L_TAU, L_GRAVITY, L_PRESTRAIN, N_LOADS = range(8)
 
 # stations: quadrature weight [m], 1/element length [1/m], EA, GA, EI, curvature as built [1/m],
 # neutral axis offset [m], axial law (0 neo-Hookean, 1 Hooke), dead load per length in x and z [N/m]; 1 where any of
 # what follows is there; sizes of the effects of the section's laws, see `effects.section`; place as a share of the
-# length, number of the user's laws or 0, and the values of the user's effects
+# length, share of curvature as built and user's laws that is there (1; load stepping lowers it), number of the user's
+# laws or 0, and the values of the user's effects
 (S_WEIGHT, S_INV_H, S_EA, S_GA, S_EI, S_KAPPA0, S_OFFSET, S_HOOKE, S_LOAD_X, S_LOAD_Z, S_FURTHER, S_CUBIC,
  S_AMPLITUDE, S_ONE_SIDED, S_BIMODULUS, S_NEO_HOOKEAN, S_MOONEY, S_OGDEN, S_SHEAR_CUBIC, S_SHEAR_COMPRESSION,
- S_PLACE, S_LAW, S_USER) = range(23)
+ S_PLACE, S_PRESTRAIN, S_LAW, S_USER) = range(24)
 N_USER = 8
 N_STATION = S_USER + N_USER
 
 
-# tip: attachment of left and right tendon in the head frame [m], pulley centers [m], pulley radius [m],
-# center of mass in the head frame [m], head's weight in x and z [N], length of the beam [m], EI/length^2 [N], largest
-# last Newton step [rad, shares of the length]; from force readings to forces: 1 + gain and zero [N] of either cell,
+# tip: attachment of left and right tendon in the head frame [m], pulley centers [m], pulley radius at either tendon,
+# above 0 where it turns the tendon's line from x towards z [m], center of mass in the head frame [m], head's weight in
+# x and z [N], length of the beam [m], EI/length^2 [N], largest last Newton step [rad, shares of the length]; from force
+# readings to forces: 1 + gain and zero [N] of either cell,
 # nonlinearity [1/N], crosstalk; side force [N], springs across [N/m] and against turning [N m/rad]; 1 where any of
 # what follows is there; stops on both sides and on one [N m/rad, rad], compliance of the plate's joint [rad/(N m)]
 # and of the clamp in x, z, theta [m/N, m/N, rad/(N m)], tilt of the clamp [rad]; number of the user's laws or 0, and
 # the values of the user's effects
 (T_ATTACH_LX, T_ATTACH_LZ, T_ATTACH_RX, T_ATTACH_RZ, T_PULLEY_LX, T_PULLEY_LZ, T_PULLEY_RX, T_PULLEY_RZ,
- T_RADIUS, T_COM_X, T_COM_Z, T_WEIGHT_X, T_WEIGHT_Z, T_LENGTH, T_BENDING_FORCE,
+ T_REACH_L, T_REACH_R, T_COM_X, T_COM_Z, T_WEIGHT_X, T_WEIGHT_Z, T_LENGTH, T_BENDING_FORCE,
  T_TOLERANCE, T_GAIN_L, T_GAIN_R, T_ZERO_L, T_ZERO_R, T_NONLINEARITY, T_CROSSTALK, T_SIDE, T_SPRING_Z, T_SPRING_T,
  T_FURTHER, T_STOP, T_STOP_ANGLE, T_STOP_1, T_STOP_1_ANGLE, T_JOINT, T_CLAMP_X, T_CLAMP_Z, T_CLAMP_T, T_CLAMP_TILT,
- T_LAW, T_USER) = range(37)
+ T_LAW, T_USER) = range(38)
 N_TIP = T_USER + N_USER
 
 
@@ -46,9 +50,9 @@ N_TIP = T_USER + N_USER
 (M_LENGTH_L, M_LENGTH_R, M_THETA, M_WAY_L, M_WAY_R, M_SLIDER, M_REMEMBERED, M_GAP, M_HOURS, M_HELD, M_PEAK,
  M_FIRST, N_PAST) = range(13)
 
-# out: pose, Newton steps taken, last load factor reached on the stable branch, free length of the shorter tendon,
-# tangent stiffness at Q (lower triangle xx, zx, zz, tx, tz, tt)
-(O_X, O_Z, O_THETA, O_ITERATIONS, O_FACTOR, O_FREE_LENGTH, O_KXX, O_KZX, O_KZZ, O_KTX, O_KTZ, O_KTT, N_OUT) = range(13)
+# out: pose, Newton steps taken, share of tendon forces and wrench reached on the stable branch, share of the weight
+# reached without them, tangent stiffness at Q (lower triangle xx, zx, zz, tx, tz, tt)
+(O_X, O_Z, O_THETA, O_ITERATIONS, O_FACTOR, O_PRELOAD, O_KXX, O_KZX, O_KZZ, O_KTX, O_KTZ, O_KTT, N_OUT) = range(13)
 
 # constants of the condensed formulation, one flat array: the tip's come first, then the clamp's angle [rad], the share
 # of it in the tip's angle [rad], 1/length^2, 1/force^2 (a tip force that changes by this force counts as a turn of

@@ -20,6 +20,7 @@ __all__ = ["prepare"]
 # share of EI/length^2; Newton squares both once more
 TOLERANCE, FORCE_TOLERANCE = 1e-9, 1e-7
 ROUNDING = 1e-9  # of lengths as shares of an element
+NONE = 1e-12  # what rounding may leave of a mass or a radius of 0
 LEAST_COMPLIANCE = 0.05  # of a Gauss point beside a soft spot, as a share of what it has without
 
 
@@ -121,7 +122,12 @@ def _prepare_tendons(par, tip):
     tip[at.T_PULLEY_LX] = x + 0.5 * par[P.effects_pulley_height_asymmetry]
     tip[at.T_PULLEY_RX] = x - 0.5 * par[P.effects_pulley_height_asymmetry]
     tip[at.T_PULLEY_LZ], tip[at.T_PULLEY_RZ] = z + par[P.effects_pulley_shift], -z + par[P.effects_pulley_shift]
-    tip[at.T_RADIUS] = par[P.tendons_pulley_radius] + par[P.effects_pulley_radius]
+    # on the outer side: to the left of a tendon that runs down to the left pulley, to the right of one that runs up
+    radius, top = par[P.tendons_pulley_radius] + par[P.effects_pulley_radius], par[P.beam_length]
+    top += par[P.effects_beam_length]
+    below_l = tip[at.T_PULLEY_LX].real <= (top + tip[at.T_ATTACH_LX]).real
+    below_r = tip[at.T_PULLEY_RX].real <= (top + tip[at.T_ATTACH_RX]).real
+    tip[at.T_REACH_L], tip[at.T_REACH_R] = -radius if below_l else radius, radius if below_r else -radius
     gain, zero = 1.0 + par[P.effects_force_gain], par[P.effects_force_zero]
     tip[at.T_GAIN_L] = gain + 0.5 * par[P.effects_force_gain_asymmetry]
     tip[at.T_GAIN_R] = gain - 0.5 * par[P.effects_force_gain_asymmetry]
@@ -129,6 +135,17 @@ def _prepare_tendons(par, tip):
     tip[at.T_ZERO_R] = zero - 0.5 * par[P.effects_force_zero_asymmetry]
     tip[at.T_NONLINEARITY] = par[P.effects_force_nonlinearity] / FULL_SCALE
     tip[at.T_CROSSTALK] = par[P.effects_force_crosstalk]
+
+
+@kernel
+def _sound(par, stations, tip):
+    """Whether pulleys, force cells and sections can be built, see `mechanism.derived`."""
+    sound = (par[P.tendons_pulley_radius] + par[P.effects_pulley_radius]).real > -NONE
+    sound = sound and tip[at.T_GAIN_L].real > 0.0 and tip[at.T_GAIN_R].real > 0.0
+    for i in range(stations.shape[0]):
+        EA, GA, EI = stations[i, at.S_EA], stations[i, at.S_GA], stations[i, at.S_EI]
+        sound = sound and EA.real > 0.0 and GA.real > 0.0 and EI.real > 0.0
+    return sound
 
 
 @kernel
@@ -160,6 +177,8 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
     mesh : (n_stations, 3)   Gauss points as shares of the length: place, weight, 1/element length [-]
     nodes : (n_nodes,)       places of the nodes as shares of the length [-]
     stations : (n_stations, N_STATION), tip : (N_TIP,), q_rest : (3 n_nodes,)   overwritten
+
+    What cannot be built gets a length of nan: no path finds an equilibrium, and `newton.solve` calls it invalid.
     """
     sin_tilt, cos_tilt = sincos(par[P.effects_gravity_tilt])
     gravity_x, gravity_z = -par[P.gravity_g] * cos_tilt, -par[P.gravity_g] * sin_tilt
@@ -179,7 +198,7 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
         gradient = par[P.effects_precurvature_gradient] * (2.0 * place - 1.0)
         station[at.S_KAPPA0] = par[P.effects_precurvature] + gradient
         station[at.S_OFFSET] = par[P.effects_neutral_axis_offset]
-        station[at.S_HOOKE], station[at.S_PLACE] = par[P.beam_axial_law], place
+        station[at.S_HOOKE], station[at.S_PLACE], station[at.S_PRESTRAIN] = par[P.beam_axial_law], place, 1.0
         station[at.S_LOAD_X], station[at.S_LOAD_Z] = mass_per_length * gravity_x, mass_per_length * gravity_z
         _prepare_section(par, station)
 
@@ -195,6 +214,9 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
     tip[at.T_BENDING_FORCE] = EI / (length * length)
     stiff = max(EA.real, GA.real) / tip[at.T_BENDING_FORCE].real
     tip[at.T_TOLERANCE] = min(TOLERANCE, FORCE_TOLERANCE / stiff)
+
+    if not (length.real > 0.0 and min(mass_per_length.real, head_mass.real) > -NONE and _sound(par, stations, tip)):
+        tip[at.T_LENGTH] = np.nan
 
     sin_clamp, cos_clamp = sincos(par[P.effects_clamp_tilt])
     for i in range(nodes.shape[0]):

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
 
 from ..errors import InputError, did_you_mean, shown
+from .derived import check_derived
 from .parameters import find
 from .sections import EFFECT_QUANTITIES, PRESETS, SECTIONS, Beam, Gravity, Head, Tendons
 from .toml_file import read_values, write_values
@@ -78,6 +79,10 @@ class Mechanism:
     effects: Effects = field(default_factory=Effects)
     assumed: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
+    def __post_init__(self) -> None:
+        if self.effects:
+            check_derived(self.values())
+
     @classmethod
     def preset(cls, name: str = "slender") -> Self:
         """Return a preset: ``slender`` (L 0.109 m) or ``paper`` (L 0.040 m)."""
@@ -127,7 +132,8 @@ class Mechanism:
 
         Raises
         ------
-        InputError : no such name, or a value out of its bounds; names it and says what is allowed.
+        InputError : no such name, a value out of its bounds, or a sum of several that is impossible, see `derived`;
+            names it and says what is allowed.
         """
         grouped: dict[str, dict[str, Any]] = {}
         for name, value in changes.items():

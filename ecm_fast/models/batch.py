@@ -9,6 +9,7 @@ from ..kernels.general.batch import solve_many
 from ..kernels.layout import N_OUT, O_FACTOR, O_THETA, O_X, O_Z
 from ..mesh.discretization import Discretization
 from .equilibrium import BatchResult, Status
+from .loads import pushing
 from .paths.chain import Chain
 from .paths.condensed import Columns, Condensation, columns, solve_mechanisms
 from .refinement import loads_of, work_arrays
@@ -68,6 +69,11 @@ def solve_cases(
                 column[own[3] > Status.UNSTABLE] = np.nan
 
     _in_threads(part, n, threads)
+    refused = pushing(par, lam)
+    if refused is not None:
+        result.status[refused], result.load_factor[refused] = Status.INVALID_INPUT, 0.0
+        for column in out[:3]:
+            column[refused] = np.nan
     return result
 
 

@@ -19,21 +19,34 @@ Array = NDArray[np.float64]
 
 
 class Status(IntEnum):
-    """The verdict on a solve."""
+    """The verdict on a solve.
+
+    CONVERGED : a stable equilibrium. Of `solve` and of batches it lies on the branch that grows from the unloaded
+        state; of a control step on the branch that its calls have followed since it was made or reset. The two differ
+        only where the neck has more than one stable equilibrium under the same loads.
+    UNSTABLE : an equilibrium, but not a stable one: the neck buckles before it gets there
+    NOT_CONVERGED : no equilibrium was found; of a control step, none within the Newton steps of one call
+    TENDON_ZERO_LENGTH : a tendon is pulled up to its pulley
+    INVALID_INPUT : a load, or the mechanism under this load, cannot be
+    SECTION_UNSTABLE : the law of the section, not the neck as a column, loses its stability
+    """
 
     CONVERGED = layout.CONVERGED
     UNSTABLE = layout.UNSTABLE
     NOT_CONVERGED = layout.NOT_CONVERGED
     TENDON_ZERO_LENGTH = layout.TENDON_ZERO_LENGTH
     INVALID_INPUT = layout.INVALID_INPUT
+    SECTION_UNSTABLE = layout.SECTION_UNSTABLE
 
     @property
     def converged(self) -> bool:
         """Whether the pose is an equilibrium."""
         return self in (Status.CONVERGED, Status.UNSTABLE)
 
-    def explain(self, load_factor: float = float("nan")) -> str:
-        """Say in one sentence what happened and what to do; `load_factor` is how much of the load was reached."""
+    def explain(self, load_factor: float = float("nan"), preload_factor: float = 1.0) -> str:
+        """Say in one sentence what happened and what to do; the factors are those of `Equilibrium`."""
+        if preload_factor < 1.0 and load_factor == 0.0 and self is not Status.INVALID_INPUT:
+            return _AT_REST[preload_factor > 0.0].format(factor=preload_factor)
         return _EXPLAINED[self].format(factor=load_factor)
 
 
@@ -44,8 +57,19 @@ _EXPLAINED = {
     "the load; beyond, the neck snaps to another state or the load is out of all proportion; lower the load",
     Status.TENDON_ZERO_LENGTH: "no equilibrium: at {factor:.6g} of the load a tendon is pulled up to its pulley and "
     "has no length left; lower the load or move the pulley",
-    Status.INVALID_INPUT: "no equilibrium: a load is not a finite number, or a tendon is told to push",
+    Status.INVALID_INPUT: "no equilibrium: a load is not a finite number, a tendon is told to push or would push by "
+    "what the force cells are off, or effects leave a length, mass, radius, gain or stiffness that cannot be",
+    Status.SECTION_UNSTABLE: "no stable equilibrium: at {factor:.6g} of the load the law of the section itself, not "
+    "the neck as a column, loses its stability, as it does in shear under tension where N > GA gamma_x; lower the "
+    "load, or let the shear stiffness grow with the axial force (effect shear_compression)",
 }
+_AT_REST = (
+    "no stable equilibrium even without tendon forces, wrench and weight: the shape as cast, or a law of your own, "
+    "strains the neck beyond what it carries",
+    "no stable equilibrium even without tendon forces and wrench: at {factor:.6g} of its own weight (and of what else "
+    "acts without them) the neck buckles or snaps; make it stiffer or lighter",
+)
+"""What is wrong before any load acts: before the weight does, and while it grows."""
 
 
 class Solution(Protocol):
@@ -70,7 +94,11 @@ class Equilibrium:
     x, z, theta : tip pose [m, m, rad]; nan unless `converged`
     status : the verdict; `message` says it in words
     iterations : Newton steps taken, over all load steps
-    load_factor : how much of the load the stable branch carries: 1 when it carries all, else where it ends
+    load_factor : share of tendon forces and wrench that the stable branch carries: 1 when it carries all, else where
+        it ends; 0 where the neck does not stand without them. They grow together, after the weight, which is there in
+        full, as are the beam's shape as cast, a side force and the zeros of the force cells
+    preload_factor : share of the weight, and of what else acts without tendon forces and wrench, that the neck carries
+        without them
     discretization : what it was solved on; finer than the model's where the accuracy asked for needs that
     accuracy : the discretization error that was asked for, in rad and shares of the length; None where the
         discretization was given by hand
@@ -89,6 +117,7 @@ class Equilibrium:
     status: Status
     iterations: int
     load_factor: float
+    preload_factor: float
     discretization: Discretization = field(repr=False)
     accuracy: float | None = field(repr=False)
     solution: Solution = field(repr=False, compare=False)
@@ -142,7 +171,7 @@ class Equilibrium:
     @property
     def message(self) -> str:
         """The verdict in one sentence, and whether the accuracy asked for is kept where it is not."""
-        verdict = self.status.explain(self.load_factor)
+        verdict = self.status.explain(self.load_factor, self.preload_factor)
         if self.accurate:
             return verdict
         return f"{verdict}; discretization error about {self.error:.1g}, accuracy asked for {self.accuracy:g}"

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, real, shown
 from ..kernels.general.newton import solve
-from ..kernels.layout import N_OUT, O_FACTOR, O_ITERATIONS, O_THETA, O_X, O_Z
+from ..kernels.layout import N_OUT, O_FACTOR, O_ITERATIONS, O_PRELOAD, O_THETA, O_X, O_Z
 from ..kernels.prepare import prepare
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.vector import pack
@@ -25,7 +25,7 @@ from .loads import last_step, many_loads, one_load, parameter_rows
 from .path_state import PathChoice, PathState, check_order
 from .paths.chain import Chain
 from .paths.condensed import Condensation
-from .refinement import Nodes, finer, jumps, stands, work_arrays
+from .refinement import Nodes, finer, jumps, reached, stands, work_arrays
 from .sensitivity import Sensitivities, sensitivities
 from .stepper import Stepper
 
@@ -195,7 +195,7 @@ class FiniteElementModel:
         status = Status(solve(self.discretization.tables, stations, tip, q_rest, loads, q, work, out))
         if not status.converged:
             out[[O_X, O_Z, O_THETA]] = np.nan
-            loads = loads * out[O_FACTOR]
+            loads = reached(loads, out[O_FACTOR])
         return Equilibrium(
             x=float(out[O_X]),
             z=float(out[O_Z]),
@@ -203,6 +203,7 @@ class FiniteElementModel:
             status=status,
             iterations=int(out[O_ITERATIONS]),
             load_factor=float(out[O_FACTOR]),
+            preload_factor=float(out[O_PRELOAD]),
             discretization=self.discretization,
             accuracy=accuracy,
             solution=Nodes(self.discretization, self._par, loads, q),

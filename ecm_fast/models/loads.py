@@ -4,14 +4,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, real, shown
-from ..mechanism.parameters import PARAMETERS, size
+from ..mechanism.catalogue import CATALOGUE, FULL_SCALE, LARGEST_PUSH
+from ..mechanism.parameters import PARAMETERS, PLACES, index, size
+from ..mechanism.sections import AXIAL_LAWS
 from ..mechanism.vector import check_tail
 
-__all__ = ["MIN_TOLERANCE", "last_step", "many_loads", "numbers", "one_load", "parameter_rows"]
+__all__ = ["MIN_TOLERANCE", "last_step", "many_loads", "numbers", "one_load", "parameter_rows", "pushing"]
 
 Array = NDArray[np.float64]
 # Newton's method leaves at most this times the square of its last step (measured: 0.4 under tendons, 1.2 with wrenches)
 QUADRATIC, MIN_TOLERANCE = 10.0, 1e-13
+_CELLS = [index(effect.size.key) for effect in CATALOGUE.values() if effect.enters == "force"]
 
 
 def last_step(tolerance: float) -> float:
@@ -50,7 +53,7 @@ def many_loads(lam: ArrayLike, wrench: ArrayLike | None) -> tuple[Array, Array]:
 def one_load(lam: ArrayLike, wrench: ArrayLike) -> Array:
     """Return the kernels' loads of one case, (N_LOADS,), or raise where they cannot be meant."""
     tensions, dead = many_loads(numbers("tendon forces", lam)[None], numbers("wrench", wrench)[None])
-    return np.concatenate([tensions[0], dead[0], [1.0]])
+    return np.concatenate([tensions[0], dead[0], [1.0, 1.0]])
 
 
 def parameter_rows(values: ArrayLike, n: int) -> Array:
@@ -67,4 +70,29 @@ def parameter_rows(values: ArrayLike, n: int) -> Array:
         row, place = np.argwhere(outside)[0]
         entry = PARAMETERS[place]
         raise InputError(f"row {row} of parameters: {entry.key} = {par[row, place]}: allowed is {entry.allowed}")
+    laws = par[:, PLACES.beam_axial_law]
+    neither = (laws != 0.0) & (laws != 1.0)
+    if neither.any():
+        row = int(np.argmax(neither))
+        allowed = " or ".join(f"{number} ({law})" for number, law in enumerate(AXIAL_LAWS))
+        raise InputError(f"row {row} of parameters: beam.axial_law = {laws[row]}: allowed is {allowed}")
     return par
+
+
+def pushing(par: Array, lam: Array) -> NDArray[np.bool_] | None:
+    """Return where a tendon would push by what the force cells are off, (n,), or None where none is off.
+
+    par : (1 or n, n_parameters), lam : (n, 2) readings
+    """
+    if not par[:, _CELLS].any():
+        return None
+    side = np.array([0.5, -0.5])
+
+    def of(name: str) -> Array:
+        return par[:, index(f"effects.{name}"), None]
+
+    gain = 1.0 + of("force_gain") + side * of("force_gain_asymmetry")
+    zero = of("force_zero") + side * of("force_zero_asymmetry")
+    bent = of("force_nonlinearity") / FULL_SCALE * lam * lam
+    force: Array = gain * lam + zero + bent + of("force_crosstalk") * lam[:, ::-1]
+    return np.asarray(np.less(force.min(axis=1), -LARGEST_PUSH))

@@ -29,6 +29,7 @@ __all__ = [
     "finer",
     "jumps",
     "loads_of",
+    "reached",
     "solutions",
     "solve_refined",
     "stands",
@@ -83,6 +84,13 @@ def loads_of(lam: Array, wrench: Array) -> Array:
     return loads
 
 
+def reached(loads: Array, factor: Any) -> Array:
+    """Return loads (n, N_LOADS) of which tendon forces and wrench have a share `factor` (n, 1), see `Equilibrium`."""
+    loads = loads.copy()
+    loads[..., :L_GRAVITY] *= factor
+    return loads
+
+
 def solutions(mesh: Discretization, par: Array, lam: Array, wrench: Array, last2: float) -> Solutions:
     """Solve many cases into their nodes.
 
@@ -112,7 +120,7 @@ def errors(mesh: Discretization, par: Array, loads: Array, found: Solutions) -> 
     Families without a kernel for it are solved again on elements of half the length.
     """
     half = mesh.halved
-    at = loads * np.where(found.status <= Status.UNSTABLE, 1.0, found.load_factor)[:, None]
+    at = reached(loads, np.where(found.status <= Status.UNSTABLE, 1.0, found.load_factor)[:, None])
     if mesh.family == "lagrange" and mesh.gauss == mesh.order:
         error, known = np.empty(len(loads)), np.zeros(len(loads), dtype=np.int64)
         tip_errors(mesh.tables, mesh.halves, half.mesh, half.nodes, par, at, found.q, known, work_arrays(half), error)
@@ -207,7 +215,7 @@ def stands(verdict: Verdict, accuracy: float, before: Verdict | None = None) -> 
     """
     status, factor, error = verdict
     found = np.less_equal(status, Status.UNSTABLE)
-    sure = np.less_equal(error, np.where(found, accuracy, BRANCH_END))
+    sure = np.equal(status, Status.INVALID_INPUT) | np.less_equal(error, np.where(found, accuracy, BRANCH_END))
     if before is not None:
         same = np.equal(status, before[0]) & (np.abs(np.subtract(factor, before[1])) < BRANCH_END)
         sure |= same & ~found

@@ -15,6 +15,7 @@ from ..mechanism.parameters import PLACES, find, index
 from ..mechanism.sections import STIFFNESSES
 from ..mesh.discretization import Discretization
 from .equilibrium import Status
+from .loads import pushing
 from .refinement import loads_of, solutions
 
 __all__ = ["Sensitivities", "sensitivities"]
@@ -78,6 +79,9 @@ def sensitivities(
     """
     n, k = len(lam), len(names)
     found = solutions(mesh, par, lam, wrench, last2)
+    refused = pushing(par, lam)
+    if refused is not None:
+        found.status[refused] = Status.INVALID_INPUT
     plain = mesh.family == "lagrange" and not (par[:, _FURTHER].any() or par[:, len(PLACES) :].any())
     stiffness, others, columns = _sort(names, plain=plain)
     out = np.empty((n, 3)), np.empty((n, 3, 2)), np.empty((n, 3, 3)), np.empty((n, 3, k))

@@ -243,7 +243,7 @@ def _draw_base(axes: Axes, model: FiniteElementModel, *, named: bool = False) ->
     axes.plot([-width, width], [0.0, 0.0], color="black", linewidth=3.0, solid_capstyle="butt")
     pulleys = {"left": (at.T_PULLEY_LX, at.T_PULLEY_LZ), "right": (at.T_PULLEY_RX, at.T_PULLEY_RZ)}
     for name, place in pulleys.items():
-        x, z, radius = tip[place[0]] * _MM, tip[place[1]] * _MM, tip[at.T_RADIUS] * _MM
+        x, z, radius = tip[place[0]] * _MM, tip[place[1]] * _MM, abs(tip[at.T_REACH_L]) * _MM
         axes.add_patch(Circle((z, x), radius, fill=False, color="black", linewidth=0.8))
         axes.plot(z, x, "o", color="black", markersize=2.0)
         if named:

@@ -146,7 +146,8 @@ def tip_wrench(p: Parameters, rows: Loads, pose: Array) -> Array:
     wrench = _spread(pose, rows.wrench) + weight
     for lam, side in zip(rows.lam, _SIDES, strict=True):
         along, across = _attachment(p, side, lam)
-        pull = np.where(lam == 0.0, 0.0, lam * _direction(p, side, _lever(pose, along, across) + pose[:2]))
+        outwards = np.where(_pulley(p, side)[0] > length(p) + along.real, -side, side)  # above the plate or below
+        pull = np.where(lam == 0.0, 0.0, lam * _direction(p, side, outwards, _lever(pose, along, across) + pose[:2]))
         wrench = wrench + _force_at(pose, along, across, pull)
     return wrench + _surroundings(p, rows, pose)
 
@@ -204,15 +205,16 @@ def _pulley(p: Parameters, side: float) -> tuple[float, float]:
     return x, z
 
 
-def _direction(p: Parameters, side: float, attachment: Array) -> Array:
+def _direction(p: Parameters, side: float, outwards: Array, attachment: Array) -> Array:
     """Unit vector, (2, ...), from a tendon's attachment to where it meets its pulley.
 
-    The line of sight to the pulley's center, turned outwards by the angle under which the radius is seen.
+    The line of sight to the pulley's center, turned by the angle under which the radius is seen, from z towards x where
+    `outwards` is 1, from x towards z where it is -1.
     """
     x, z = _pulley(p, side)
     v_x, v_z = x - attachment[0], z - attachment[1]
     distance = np.sqrt(v_x * v_x + v_z * v_z)
-    sine = side * (p["tendons.pulley_radius"] + p["effects.pulley_radius"]) / distance
+    sine = outwards * (p["tendons.pulley_radius"] + p["effects.pulley_radius"]) / distance
     cosine = np.sqrt(1.0 - sine * sine)
     return np.stack([cosine * v_x + sine * v_z, cosine * v_z - sine * v_x]) / distance
 

@@ -16,6 +16,7 @@ import pytest
 from ecm_fast.errors import InputError
 from ecm_fast.files import write_whole
 from ecm_fast.mechanism.catalogue import CATALOGUE
+from ecm_fast.mechanism.derived import limits
 from ecm_fast.mechanism.mechanism import Effects, Mechanism
 from ecm_fast.mechanism.parameters import PARAMETERS, find, index
 from ecm_fast.mechanism.sections import PRESETS, SECTIONS, Beam, Gravity, Head, Tendons
@@ -141,12 +142,12 @@ def test_a_value_that_cannot_be(make: Callable[[], object], text: str) -> None:
 
 @pytest.mark.parametrize("entry", PARAMETERS, ids=lambda entry: entry.key)
 def test_the_bounds_themselves_are_allowed(entry: Any) -> None:
-    """Contract: bounds are inclusive, the next number beyond is refused."""
-    for value in (entry.lower, entry.upper):
+    """Contract: bounds are inclusive, the next number beyond is refused; L + a > 0 and 1 + gain > 0 end some before."""
+    for value, own in zip(limits(entry.key, pack(Mechanism())), (entry.lower, entry.upper), strict=True):
         par = pack(Mechanism())
         par[index(entry.key)] = value
         assert pack(unpack(par)).tolist() == par.tolist()
-        par[index(entry.key)] = np.nextafter(value, np.inf if value == entry.upper else -np.inf)
+        par[index(entry.key)] = np.nextafter(own, np.inf if own == entry.upper else -np.inf)
         assert message(unpack, par).startswith(f"{entry.key} = ")
 
 

@@ -42,6 +42,7 @@ class Case:
             f"effects.{name}": np.clip(3.0 * entry.typical * effects_rng.normal(), entry.lower, entry.upper)
             for name, entry in EFFECT_QUANTITIES.items()
         }
+        effects["effects.pulley_radius"] = abs(effects["effects.pulley_radius"])  # a radius below zero is none
         self.mechanism = Mechanism().replace(
             length=(0.040, 0.109, 0.4)[seed % 3],
             axial_law=("neo-hookean", "hooke")[seed // 2 % 2],
@@ -52,7 +53,7 @@ class Case:
         )
         self.par = pack(self.mechanism)
         self.p = reference.named(self.par)
-        self.loads = np.array([*rng.uniform(0.0, 160.0, 2), *(rng.normal(size=3) * [100.0, 50.0, 5.0]), 0.7])
+        self.loads = np.array([*rng.uniform(0.0, 160.0, 2), *(rng.normal(size=3) * [100.0, 50.0, 5.0]), 0.7, 1.0])
         self.q = reference.rest_coordinates(self.p, self.mesh)
         places = self.mesh.nodes
         theta = self.q[2] + reach * rng.uniform(-3.0, 3.0) * places ** rng.uniform(0.7, 2.0)
@@ -126,7 +127,7 @@ def test_tip_is_the_reference_tip(seed):
     case = Case(seed)
     ends, pose = case.prepared()[1], case.q[-3:]
     for pulling in ([1, 1], [1, 0], [0, 1], [0, 0]):
-        loads = case.loads * [*pulling, 1, 1, 1, 1]
+        loads = case.loads * [*pulling, 1, 1, 1, 1, 1]
         wrench, K = np.empty(3), np.empty(6)
         free, angle = tip.tip_wrench(ends, loads, *pose, wrench, K)
         assert_close(wrench, reference.tip_wrench(case.p, loads, pose))

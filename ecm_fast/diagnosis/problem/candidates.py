@@ -9,6 +9,7 @@ from ...data.columns import COLUMNS
 from ...data.measurements import Measurements
 from ...errors import InputError, did_you_mean
 from ...mechanism.catalogue import CATALOGUE, Effect
+from ...mechanism.derived import limits
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find, index
 from ...mechanism.vector import pack
@@ -59,13 +60,14 @@ class EffectCandidate:
     def of(cls, effect: Effect, mechanism: Mechanism) -> "EffectCandidate":
         """Return an effect as a candidate on a mechanism."""
         par, entries = pack(mechanism), tuple(effect)
+        lower, upper = zip(*(limits(entry.key, par) for entry in entries), strict=True)
         return cls(
             effect,
             tuple(entry.key for entry in entries),
             tuple(float(par[index(entry.key)]) for entry in entries),
             (SIZE_SPREAD * entries[0].typical, *(entry.typical for entry in entries[1:])),
-            tuple(entry.lower for entry in entries),
-            tuple(entry.upper for entry in entries),
+            lower,
+            upper,
         )
 
 

@@ -19,9 +19,10 @@ Sylvester's law of inertia it is stable exactly where all pivots together have t
 
 import numpy as np
 
+from ...mechanism.catalogue import LARGEST_PUSH
 from .._jit import kernel
 from ..condensed.formulation import LARGEST2, MAX_STEPS, ROUNDING2, SHRINK2
-from ..general.tip import tip_wrench
+from ..general.tip import tendon_forces, tip_wrench
 from ..layout import (
     C_BASIS,
     C_COUNT,
@@ -49,6 +50,7 @@ from ..layout import (
     L_GRAVITY,
     L_LAM_L,
     L_LAM_R,
+    L_PRESTRAIN,
     N_BEAM,
     N_ENDS,
     N_HEAD,
@@ -169,7 +171,7 @@ def solve_chain(con, lam, wrench, last2, state, x, z, theta, status):
     x, z, theta, status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
     """
     last_wrench = wrench.shape[0] - 1
-    state[L_GRAVITY] = 1.0
+    state[L_GRAVITY], state[L_PRESTRAIN] = 1.0, 1.0
     for i in range(lam.shape[0]):
         state[:L_FX], state[L_FX:L_GRAVITY] = lam[i], wrench[min(i, last_wrench)]
         start_chain(con, state)
@@ -184,7 +186,8 @@ def follow_chain(con, state, last2, lam_l, lam_r):
     Returns x, z, theta, status; the pose is nan where the status is not CONVERGED.
     """
     state[L_LAM_L], state[L_LAM_R] = lam_l, lam_r
-    if not (0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf):
+    left, right = tendon_forces(con, state)
+    if not (0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf and min(left, right) >= -LARGEST_PUSH):
         return np.nan, np.nan, np.nan, INVALID_INPUT
     found = vouches_chain(state, last2) and _converge(con, state, last2)
     if not found:

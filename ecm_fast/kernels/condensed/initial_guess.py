@@ -14,6 +14,7 @@ __all__ = [
     "lane_inside",
     "lanes_inside",
     "monomials",
+    "recall",
     "remember",
     "unknowns",
 ]
@@ -115,3 +116,11 @@ def remember(state, before, order):
     before[0], before[1] = state[R_LAM_L], state[R_LAM_R]
     for i in range(5 + order):
         before[2 + i] = state[_unknown(i)]
+
+
+@step_kernel
+def recall(state, before, order):
+    """Make the state one step before the present one."""
+    state[R_LAM_L], state[R_LAM_R] = before[0], before[1]
+    for i in range(5 + order):
+        state[_unknown(i)] = before[2 + i]

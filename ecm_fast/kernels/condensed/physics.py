@@ -63,7 +63,8 @@ from ..layout import (
     T_PULLEY_LZ,
     T_PULLEY_RX,
     T_PULLEY_RZ,
-    T_RADIUS,
+    T_REACH_L,
+    T_REACH_R,
     T_SIDE,
     T_SPRING_T,
     T_SPRING_Z,
@@ -115,7 +116,7 @@ def _tendon(lever_x, lever_z, v_x, v_z, reach):
     """Pull of a tendon by unit force, and its stiffness by unit force: see `tip.tendon`; here with one division.
 
     lever_x, lever_z : from Q to the attachment, v_x, v_z : from there to the pulley's center [m]
-    reach : radius of the pulley, less than zero for the left tendon [m]
+    reach : radius of the pulley, with the sign of the side on which the tendon passes it [m]
 
     Returns e_x, e_z, moment about Q, 1/free length, and how far the attachment moves across the tendon by turn.
     """
@@ -151,11 +152,11 @@ def plate(con, cr, cl, state, sr, j):
     l_x, l_z = a_x * c + a_z * s, a_z * c - a_x * s
     a_x, a_z = con[cr * T_ATTACH_RX + cl], con[cr * T_ATTACH_RZ + cl]
     m_x, m_z = a_x * c + a_z * s, a_z * c - a_x * s
-    x, z, radius = state[sr * R_X + j], state[sr * R_Z + j], con[cr * T_RADIUS + cl]
+    x, z = state[sr * R_X + j], state[sr * R_Z + j]
     v_x, v_z = con[cr * T_PULLEY_LX + cl] - x - l_x, con[cr * T_PULLEY_LZ + cl] - z - l_z
-    l_ex, l_ez, l_tau, l_inv, l_t = _tendon(l_x, l_z, v_x, v_z, -radius)
+    l_ex, l_ez, l_tau, l_inv, l_t = _tendon(l_x, l_z, v_x, v_z, con[cr * T_REACH_L + cl])
     v_x, v_z = con[cr * T_PULLEY_RX + cl] - x - m_x, con[cr * T_PULLEY_RZ + cl] - z - m_z
-    r_ex, r_ez, r_tau, r_inv, r_t = _tendon(m_x, m_z, v_x, v_z, radius)
+    r_ex, r_ez, r_tau, r_inv, r_t = _tendon(m_x, m_z, v_x, v_z, con[cr * T_REACH_R + cl])
     lam_l, lam_r = forces(con, cr, cl, state[sr * R_LAM_L + j], state[sr * R_LAM_R + j])
     k_z, k_t, side = con[cr * T_SPRING_Z + cl], con[cr * T_SPRING_T + cl], con[cr * T_SIDE + cl]
     state[sr * R_WX + j] = state[sr * R_FX + j] + w_x + lam_l * l_ex + lam_r * r_ex

@@ -7,13 +7,11 @@ import functools
 import math
 from typing import Any
 
-import numpy as np
-
 from .._jit import array_at, by_first_type, call_kernel, kernel, step_kernel, wide
 from ..layout import CONVERGED, LANES, NOT_CONVERGED, R_EXTREME, R_LAM_L, R_LAM_R, R_THETA, R_X, R_Z
 from ..prepare import prepare
 from ..unroll import at_each_point, function
-from .control_step import memory_size, pieces, rescue, unfold
+from .control_step import MOST_STEPS, hand_over, memory_size, pieces, pulls, rescue, unfold
 from .equations import written_out
 from .formulation import MAX_STEPS, collect, condense, nodes_of, put_load, settled, straighten, vouches
 from .initial_guess import extrapolate, guess, lane_inside, lanes_inside, remember
@@ -201,9 +199,10 @@ def solve_nodes(
 
 
 @step_kernel
-def _follow(points, con, coefficients, settings, state, before, lam_l, lam_r):
+def _follow(points, con, coefficients, settings, state, before, followed, known, lam_l, lam_r):
     last2, keep, lam_max = settings[0], settings[1] > 0.0, settings[2]
-    if lam_max == 0.0 and vouches(state, 1, 0, last2):
+    followed[0] = 1.0
+    if known:
         extrapolate(state, before, lam_l, lam_r, len(points))
         if _iterate(points, con, state, last2, keep):
             return True
@@ -212,9 +211,11 @@ def _follow(points, con, coefficients, settings, state, before, lam_l, lam_r):
         guess(coefficients, lam_max, state, 1, 1, len(points))
     else:
         straighten(con, 1, 0, state, 1, 0, len(points))
-    found = _iterate(points, con, state, last2, keep)
+    if not _iterate(points, con, state, last2, keep):
+        return False
+    followed[0] = 0.0
     remember(state, before, len(points))
-    return found
+    return True
 
 
 @functools.cache
@@ -245,16 +246,21 @@ def control_step(order: int) -> Any:
         Returns x, z, theta, status.
         """
         (
-            settings, con, state, before, columns, jacobian, compliance, coefficients,
-            loads, tables, stations, tip, q_rest, q, out, work,
+            settings, con, state, followed, before, columns, jacobian, compliance, coefficients,
+            loads, tables, slopes, stations, tip, start, trail, out, work,
         ) = _parts(points, array_at(address, size))  # fmt: skip
-        possible = 0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf
-        if possible and _follow(points, con, coefficients, settings, state, before, lam_l, lam_r):
+        afresh, possible = settings[2] != 0.0, pulls(con, lam_l, lam_r)
+        known = possible and not afresh and vouches(state, 1, 0, settings[0])
+        if possible and _follow(points, con, coefficients, settings, state, before, followed, known, lam_l, lam_r):
             if settings[1] > 0.0:
                 _tip_columns(points, con, state, columns)
                 unfold(con, state, columns, compliance, jacobian)
             return state[R_X], state[R_Z], state[R_THETA], CONVERGED
-        afresh = settings[2] != 0.0
-        return rescue(tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, afresh, lam_l, lam_r)
+        if known:
+            hand_over(con, state, before, tables, slopes, len(points), loads, trail)
+        if afresh:
+            followed[0] = 0.0
+        call = afresh, MOST_STEPS, lam_l, lam_r
+        return rescue(tables, stations, tip, start, trail, loads, work, out, compliance, jacobian, *call)
 
     return advance

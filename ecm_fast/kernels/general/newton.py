@@ -2,35 +2,47 @@
 
 First Newton goes from the straight beam to the full load at once; that is accepted only where it was a quiet
 walk through stable states. Otherwise the load grows from zero in steps that the solver chooses, and every
-step must end in a stable equilibrium near the one before.
+step must end in a stable equilibrium near the one before. What acts without tendon forces and wrench comes first: what
+strains the beam, then the weight. Only then do tendon forces and wrench grow, together.
 """
+
+from typing import Any
 
 import numpy as np
 
-from .._jit import copy, kernel
+from ...mechanism.catalogue import LARGEST_PUSH
+from .._jit import by_first_type, copy, kernel
 from ..layout import (
     CONVERGED,
     INVALID_INPUT,
+    L_GRAVITY,
     L_LAM_L,
     L_LAM_R,
+    L_PRESTRAIN,
     N_LOADS,
     NOT_CONVERGED,
     O_FACTOR,
-    O_FREE_LENGTH,
     O_ITERATIONS,
     O_KXX,
+    O_PRELOAD,
     O_THETA,
     O_X,
     O_Z,
+    S_EA,
+    S_EI,
+    S_GA,
+    S_PRESTRAIN,
+    SECTION_UNSTABLE,
     T_FURTHER,
     T_LENGTH,
     T_TOLERANCE,
     TENDON_ZERO_LENGTH,
     UNSTABLE,
 )
-from .elements.dispatch import take
+from .elements import lagrange
+from .elements.dispatch import kernels_for, take
 from .front import newton_step, work_size
-from .tip import tip_wrench
+from .tip import tendon_forces, tip_wrench
 
 __all__ = ["advance", "solve", "solve_work_size"]
 
@@ -42,11 +54,13 @@ FULL_LOAD_LIMIT, LOAD_STEP_LIMIT = 1.0, 0.4
 FIRST_LOAD_STEP, LAST_LOAD_STEP, MAX_LOAD_STEPS = 0.125, 1e-8, 250
 # a tendon this short, as a share of the beam's length, where the branch ends: it is what ended it
 SHORT_TENDON = 0.05
+# stiffness of a section that is as good as lost, as a share of what it has unstrained
+LOST = 1e-3
 
 
 def solve_work_size(n_nodes: int, n_elements: int, order: int) -> int:
     """Return how many numbers `solve` needs as work space."""
-    return 9 * n_nodes + N_LOADS + work_size(n_elements, order)
+    return 9 * n_nodes + 3 * N_LOADS + work_size(n_elements, order)
 
 
 @kernel
@@ -55,40 +69,52 @@ def solve(tables, stations, tip, q_rest, loads, q, work, out):
 
     tables, stations, tip : as in `front.newton_step`
     q_rest : (3 n_nodes,)   the straight beam in its clamp
-    loads : (N_LOADS,)      tendon forces [N], dead wrench [N, N, N m], share of gravity
+    loads : (N_LOADS,)      tendon forces [N], dead wrench [N, N, N m]; shares of what acts without them, both 1
     work : see `solve_work_size`
     q : (3 n_nodes,), out : (N_OUT,)   overwritten; an equilibrium for CONVERGED and UNSTABLE, else the last one found
 
     Returns the status, see `layout`.
     """
     out[:] = np.nan
-    out[O_ITERATIONS], out[O_FACTOR] = 0.0, 0.0
+    out[O_ITERATIONS], out[O_FACTOR], out[O_PRELOAD] = 0.0, 0.0, 0.0
     copy(q_rest, q)
-    if not _possible(loads):
+    if not _possible(tip, loads):
         return INVALID_INPUT
     n = q.shape[0]
-    status = _correct(tables, stations, tip, loads, q, work[2 * n + N_LOADS :], work[:n], out, FULL_LOAD_LIMIT, 0.5)
-    out[O_FACTOR] = 1.0
+    rest, step = work[2 * n + 3 * N_LOADS :], work[:n]
+    status = _correct(tables, stations, tip, loads, q, rest, step, out, FULL_LOAD_LIMIT, 0.5, np.inf)
+    out[O_FACTOR], out[O_PRELOAD] = 1.0, 1.0
     if status != CONVERGED:
         status = _follow(tables, stations, tip, q_rest, loads, q, work, out)
-    _put_pose(tip, loads, q, work[2 * n + N_LOADS :], out)
+    stations[:, S_PRESTRAIN] = 1.0
+    _put_pose(tip, loads, q, rest, out)
     return status
 
 
 @kernel
-def advance(tables, stations, tip, q_rest, loads, q, work, out):
-    """Follow an equilibrium `q` to loads that changed a little; solves from the unloaded state where that fails.
+def advance(tables, stations, tip, base, loads, q, work, out, most):
+    """Follow the equilibrium `q` under the loads `base` to the loads `loads`, in at most `most` Newton steps.
 
-    Arguments and result as for `solve`, but `q` is where to start from.
+    base : (N_LOADS + 1,)   overwritten: loads of the last stable equilibrium on the way, so that another call goes on
+                            from there, and the share of the rest of the way to try first; 0 where the branch ends
+    q : (3 n_nodes,)        overwritten: that equilibrium; all else as for `solve`
+
+    Returns the status: CONVERGED, INVALID_INPUT, TENDON_ZERO_LENGTH where a tendon without length is what ends the
+    branch, else NOT_CONVERGED.
     """
-    n = q.shape[0]
-    if _possible(loads):
-        out[O_ITERATIONS], out[O_FACTOR] = 0.0, 1.0
-        rest, step = work[2 * n + N_LOADS :], work[:n]
-        if _correct(tables, stations, tip, loads, q, rest, step, out, LOAD_STEP_LIMIT, 0.5) == CONVERGED:
-            _put_pose(tip, loads, q, rest, out)
-            return CONVERGED
-    return solve(tables, stations, tip, q_rest, loads, q, work, out)
+    out[O_ITERATIONS] = 0.0
+    if not _possible(tip, loads):
+        return INVALID_INPUT
+    reached, stride = _walk(tables, stations, tip, base, loads, q, work, out, 0.0, base[N_LOADS], True, most)
+    for i in range(N_LOADS):
+        base[i] = loads[i] if reached == 1.0 else base[i] + reached * (loads[i] - base[i])
+    base[N_LOADS] = 1.0 if reached == 1.0 else min(1.0, stride / (1.0 - reached))
+    stations[:, S_PRESTRAIN] = 1.0
+    rest = work[2 * q.shape[0] + 3 * N_LOADS :]
+    if reached == 1.0:
+        _put_pose(tip, loads, q, rest, out)
+        return CONVERGED
+    return TENDON_ZERO_LENGTH if stride == 0.0 and _tendon_is_short(tip, loads, q, rest) else NOT_CONVERGED
 
 
 @kernel
@@ -101,23 +127,29 @@ def _put_pose(tip, loads, q, work, out):
 
 
 @kernel
-def _possible(loads):
-    """Whether every load is a finite number and no tendon pushes."""
+def _possible(tip, loads):
+    """Whether the mechanism can be built, every load is a finite number, and the tendons pull."""
     for i in range(N_LOADS):
         if not np.isfinite(loads[i]):
             return False
-    return loads[L_LAM_L] >= 0.0 and loads[L_LAM_R] >= 0.0
+    lam_l, lam_r = tendon_forces(tip, loads)
+    pull = min(loads[L_LAM_L], loads[L_LAM_R]) >= 0.0 and min(lam_l, lam_r) >= -LARGEST_PUSH
+    return pull and tip[T_LENGTH] > 0.0
 
 
 @kernel
-def _correct(tables, stations, tip, loads, q, work, step, out, limit, shrink):
+def _correct(tables, stations, tip, loads, q, work, step, out, limit, shrink, most):
     """Newton's iteration at fixed loads, from `q`: stops where a step exceeds `limit` or does not shrink enough.
 
     shrink : the largest ratio of two successive steps; below 1 every iterate must be stable too
+    most : stops too where `out` counts that many iterations
     """
+    stations[:, S_PRESTRAIN] = loads[L_PRESTRAIN]
     before = np.inf
     for _ in range(MAX_ITERATIONS):
-        not_positive, out[O_FREE_LENGTH] = newton_step(tables, stations, tip, loads, q, work, step, out[O_KXX:])
+        if out[O_ITERATIONS] >= most:
+            break
+        not_positive, _ = newton_step(tables, stations, tip, loads, q, work, step, out[O_KXX:])
         size = _step_size(step, tip[T_LENGTH])
         out[O_ITERATIONS] += 1.0
         at_floor = size < tip[T_TOLERANCE] or (size < ROUNDING_FLOOR and size > 0.5 * before)
@@ -147,54 +179,119 @@ def _step_size(step, length):
 
 @kernel
 def _follow(tables, stations, tip, q_rest, loads, q, work, out):
-    """Let all loads grow from zero along the stable branch; where it ends, say why."""
+    """Let what acts grow from nothing along the stable branch, stage after stage; where the branch ends, say why."""
+    n = q.shape[0]
+    base, goal = work[2 * n + N_LOADS : 2 * n + 2 * N_LOADS], work[2 * n + 2 * N_LOADS : 2 * n + 3 * N_LOADS]
+    out[O_FACTOR], out[O_PRELOAD] = 0.0, 0.0
+    base[:], goal[:] = 0.0, 0.0
+    goal[L_PRESTRAIN] = loads[L_PRESTRAIN]
     copy(q_rest, q)
-    out[O_FACTOR] = 0.0
-    reached = _walk(tables, stations, tip, loads, q, work, out, 0.0)
-    out[O_FACTOR] = reached
+    # a beam cast with a curvature gets there in one step, however large
+    reached, _ = _walk(tables, stations, tip, base, goal, q, work, out, 0.0, np.inf, True, np.inf)
     if reached == 1.0:
-        return CONVERGED
-    if out[O_FREE_LENGTH] < SHORT_TENDON * tip[T_LENGTH]:
+        base[L_PRESTRAIN], goal[L_GRAVITY] = loads[L_PRESTRAIN], loads[L_GRAVITY]
+        out[O_PRELOAD], _ = _walk(tables, stations, tip, base, goal, q, work, out, 0.0, 1.0, True, np.inf)
+        if out[O_PRELOAD] == 1.0:
+            base[L_GRAVITY] = loads[L_GRAVITY]
+        else:  # the neck does not carry its weight alone, perhaps it does with the loads
+            base[L_PRESTRAIN], goal[L_GRAVITY] = 0.0, 0.0
+            copy(q_rest, q)
+            _walk(tables, stations, tip, base, goal, q, work, out, 0.0, np.inf, True, np.inf)
+            base[L_PRESTRAIN] = loads[L_PRESTRAIN]
+        copy(loads, goal)
+        reached, _ = _walk(tables, stations, tip, base, goal, q, work, out, 0.0, FIRST_LOAD_STEP, True, np.inf)
+        if reached == 1.0:
+            out[O_FACTOR] = 1.0
+            return CONVERGED
+    if out[O_PRELOAD] == 1.0:
+        out[O_FACTOR] = reached
+    if _tendon_is_short(tip, loads, q, work[2 * n + 3 * N_LOADS :]):
         return TENDON_ZERO_LENGTH
-    if reached > 0.0 and _walk(tables, stations, tip, loads, q, work, out, reached) == 1.0:
-        return UNSTABLE
-    return NOT_CONVERGED
+    if _section_fails(tables, stations, q):
+        return SECTION_UNSTABLE
+    if reached == 0.0 or base[L_PRESTRAIN] == 0.0:
+        return NOT_CONVERGED
+    reached, _ = _walk(tables, stations, tip, base, goal, q, work, out, reached, FIRST_LOAD_STEP, False, np.inf)
+    return UNSTABLE if reached == 1.0 else NOT_CONVERGED
 
 
 @kernel
-def _walk(tables, stations, tip, loads, q, work, out, start):
-    """Follow equilibria from the load factor `start`, at `q`, towards 1; returns the factor reached.
+def _tendon_is_short(tip, loads, q, work):
+    """Whether a tendon that pulls under `loads` has next to no free length at `q`, or ends within its pulley."""
+    n = q.shape[0]
+    free, _ = tip_wrench(tip, loads, q[n - 3], q[n - 2], q[n - 1], work[6:9], work)
+    return not free >= SHORT_TENDON * tip[T_LENGTH]
 
-    From 0 on every equilibrium must be stable; from farther on, where the stable branch ends, none may be. Each load
-    step starts at the equilibrium before, and its length follows how well that went.
+
+@kernel
+def _lagrange_fails(tables, stations, q):
+    n_gauss, width = tables.shape[1], 3 * (tables.shape[2] - 1)
+    for i in range(stations.shape[0]):
+        station, first = stations[i], width * (i // n_gauss)
+        _, _, gamma_x, gamma_z, _, law = lagrange.section_at(tables, station, i % n_gauss, q[first : first + width + 3])
+        N, Q, _, N_x, Q_x, _, Q_z, _, M_k = law
+        det = N_x * Q_z - Q_x * Q_x
+        EA, GA, EI = station[S_EA], station[S_GA], station[S_EI]
+        if not (N_x > LOST * EA and Q_z > LOST * GA and det > LOST * EA * GA and M_k > LOST * EI):
+            return True
+        turn = gamma_x * N + gamma_z * Q - (Q * Q * Q_z + 2.0 * Q * N * Q_x + N * N * N_x) / det
+        if N > 0.0 and turn < 0.0:
+            return True
+    return False
+
+
+@kernel
+def _not_looked_at(tables, stations, q):
+    """Of other families the strains are not known here."""
+    return False
+
+
+_section_fails: Any = by_first_type(
+    lambda tables: _lagrange_fails if kernels_for(tables) is lagrange else _not_looked_at
+)
+"""Whether the law of a section, not the neck as a column, is what lost stability at `q`.
+
+Either the law has lost its stiffness; or under tension a section that turns at a given contact force gains more from
+shearing than it loses, gamma_x N + gamma_z Q < (-Q, N) C (-Q, N), C the compliance in stretch and shear: with the plain
+law N > GA gamma_x. Under compression that sum is negative in every column, and bending holds it.
+"""
+
+
+@kernel
+def _walk(tables, stations, tip, base, goal, q, work, out, start, stride, stable, most):
+    """Follow equilibria on the way from the loads `base` to `goal`.
+
+    Returns the share of the way that was reached, and the share to try next, 0 where the branch ends.
+
+    start : share at which `q` is an equilibrium
+    stride : share to try first; inf: the whole way, however large Newton's steps are
+    stable : every equilibrium must be stable; otherwise none may be
+    most : stops where `out` counts that many Newton steps
+
+    Each load step starts at the equilibrium before, and its length follows how well that went.
     """
     n = q.shape[0]
     step, last = work[:n], work[n : 2 * n]
-    scaled, rest = work[2 * n : 2 * n + N_LOADS], work[2 * n + N_LOADS :]
-    stable = start == 0.0
-    wanted = CONVERGED if stable else UNSTABLE
-    reached, stride = start, FIRST_LOAD_STEP
-    free_length = out[O_FREE_LENGTH]
+    now, rest = work[2 * n : 2 * n + N_LOADS], work[2 * n + 3 * N_LOADS :]
+    wanted, shrink = CONVERGED if stable else UNSTABLE, 0.5 if stable else 1.0
+    limit = LOAD_STEP_LIMIT if stride < np.inf else np.inf
+    reached = start
     copy(q, last)
-    for i in range(MAX_LOAD_STEPS):
-        # the unloaded state itself needs solving for a beam cast with a curvature: one step, however large
-        unloaded = i == 0 and start == 0.0
-        factor = 0.0 if unloaded else min(1.0, reached + stride)
-        limit = np.inf if unloaded else LOAD_STEP_LIMIT
-        for k in range(N_LOADS):
-            scaled[k] = factor * loads[k]
+    for _ in range(MAX_LOAD_STEPS):
+        stride = min(stride, 1.0 - reached)
+        factor = 1.0 if reached + stride >= 1.0 - LAST_LOAD_STEP else reached + stride
+        for i in range(N_LOADS):
+            now[i] = goal[i] if factor == 1.0 else base[i] + factor * (goal[i] - base[i])
         copy(last, q)
-        status = _correct(tables, stations, tip, scaled, q, rest, step, out, limit, 0.5 if stable else 1.0)
-        if status == wanted:
+        if _correct(tables, stations, tip, now, q, rest, step, out, limit, shrink, most) == wanted:
             copy(q, last)
-            reached, free_length = factor, out[O_FREE_LENGTH]
-            if reached == 1.0:
-                break
+            reached = factor
             stride *= 1.5
         else:
             stride *= 0.4
-            if stride < LAST_LOAD_STEP or unloaded:
-                break
+        limit = LOAD_STEP_LIMIT
+        stride = stride if stride >= LAST_LOAD_STEP else 0.0
+        if reached == 1.0 or stride == 0.0 or out[O_ITERATIONS] >= most:
+            break
     copy(last, q)
-    out[O_FREE_LENGTH] = free_length
-    return reached
+    return reached, stride

@@ -20,6 +20,7 @@ from ..layout import (
     S_OGDEN,
     S_ONE_SIDED,
     S_PLACE,
+    S_PRESTRAIN,
     S_SHEAR_COMPRESSION,
     S_SHEAR_CUBIC,
     S_USER,
@@ -51,7 +52,7 @@ def section_law(station, gamma_x, gamma_z, kappa):
     and kappa, M by kappa.
     """
     offset = station[S_OFFSET]
-    g, u = gamma_x + offset * kappa, kappa - station[S_KAPPA0]
+    g, u = gamma_x + offset * kappa, kappa - station[S_PRESTRAIN] * station[S_KAPPA0]
     N, N_g = axial_law(station[S_EA], station[S_HOOKE], g)
     if station[S_FURTHER] == 0.0:
         Q, M = station[S_GA] * gamma_z, station[S_EI] * u + offset * N
@@ -68,9 +69,11 @@ def section_law(station, gamma_x, gamma_z, kappa):
     N_kappa = offset * N_g + N_u
     M, Q_kappa, M_kappa = M + offset * N, offset * Q_g, M_u + offset * (N_u + N_kappa)
     if station[S_LAW] != 0.0:
+        a = station[S_PRESTRAIN]
         (n, q, m), by = added(gamma_x, gamma_z, kappa, station[S_LAW], station[S_USER:], station[S_PLACE])
-        N, Q, M, N_g, Q_g, N_kappa = N + n, Q + q, M + m, N_g + by[0], Q_g + by[1], N_kappa + by[2]
-        Q_z, Q_kappa, M_kappa = Q_z + by[3], Q_kappa + by[4], M_kappa + by[5]
+        N, Q, M = N + a * n, Q + a * q, M + a * m
+        N_g, Q_g, N_kappa = N_g + a * by[0], Q_g + a * by[1], N_kappa + a * by[2]
+        Q_z, Q_kappa, M_kappa = Q_z + a * by[3], Q_kappa + a * by[4], M_kappa + a * by[5]
     return N, Q, M, N_g, Q_g, N_kappa, Q_z, Q_kappa, M_kappa
 
 

@@ -15,19 +15,17 @@ JOINT_STEPS, JOINT_CLOSED = 20, 1e-13
 
 
 @step_kernel
-def tendon(dx, dz, radius, side):
-    """Direction and free length of a tendon that leaves its pulley on the outer side, [T1] of `reference.tip`.
+def tendon(dx, dz, reach):
+    """Direction and free length of a tendon that leaves its pulley on one side, [T1] of `reference.tip`.
 
     dx, dz : pulley center less attachment [m]
-    radius : of the pulley [m]
-    side : -1 for the left tendon, 1 for the right one
+    reach : radius of the pulley, with the sign of the side, see `layout` [m]
 
     Returns e_x, e_z, the unit vector along which the tendon pulls, and its free length [m]; that is nan where
     the attachment lies inside the pulley.
     """
     distance2 = dx * dx + dz * dz
-    free = np.sqrt(distance2 - radius * radius)
-    reach = side * radius
+    free = np.sqrt(distance2 - reach * reach)
     return (free * dx - reach * dz) / distance2, (free * dz + reach * dx) / distance2, free
 
 
@@ -39,8 +37,8 @@ def tendon_directions(tip, x, z, s, c):
     """
     l_x, l_z = tip[at.T_ATTACH_LX] * c + tip[at.T_ATTACH_LZ] * s, tip[at.T_ATTACH_LZ] * c - tip[at.T_ATTACH_LX] * s
     r_x, r_z = tip[at.T_ATTACH_RX] * c + tip[at.T_ATTACH_RZ] * s, tip[at.T_ATTACH_RZ] * c - tip[at.T_ATTACH_RX] * s
-    e_lx, e_lz, free_l = tendon(tip[at.T_PULLEY_LX] - x - l_x, tip[at.T_PULLEY_LZ] - z - l_z, tip[at.T_RADIUS], -1.0)
-    e_rx, e_rz, free_r = tendon(tip[at.T_PULLEY_RX] - x - r_x, tip[at.T_PULLEY_RZ] - z - r_z, tip[at.T_RADIUS], 1.0)
+    e_lx, e_lz, free_l = tendon(tip[at.T_PULLEY_LX] - x - l_x, tip[at.T_PULLEY_LZ] - z - l_z, tip[at.T_REACH_L])
+    e_rx, e_rz, free_r = tendon(tip[at.T_PULLEY_RX] - x - r_x, tip[at.T_PULLEY_RZ] - z - r_z, tip[at.T_REACH_R])
     return e_lx, e_lz, free_l, e_rx, e_rz, free_r, l_x, l_z, r_x, r_z
 
 
@@ -93,10 +91,11 @@ def _head_wrench(tip, loads, x, z, theta, wrench, K):
     K[5] = s_x * w_x + s_z * w_z + tt_l + tt_r + k_t + stop_tt
     if tip[at.T_LAW] != 0.0:
         forces, by = added(x, z, theta, tip[at.T_LAW], tip[at.T_USER :], 1.0)
+        a = loads[at.L_PRESTRAIN]
         for i in range(3):
-            wrench[i] += forces[i]
-        K[0], K[1], K[2] = K[0] - by[0], K[1] - by[1], K[2] - by[3]
-        K[3], K[4], K[5] = K[3] - by[2], K[4] - by[4], K[5] - by[5]
+            wrench[i] += a * forces[i]
+        K[0], K[1], K[2] = K[0] - a * by[0], K[1] - a * by[1], K[2] - a * by[3]
+        K[3], K[4], K[5] = K[3] - a * by[2], K[4] - a * by[4], K[5] - a * by[5]
     return shortest
 
 

@@ -8,9 +8,9 @@ in `kernels.section` or `kernels.tip` when it changes what happens during a solv
 from . import camera, ends, environment, forces, geometry, path, section
 from .effect import Effect, Mirror, also
 from .effect import effect as declare
-from .forces import FULL_SCALE
+from .forces import FULL_SCALE, LARGEST_PUSH
 
-__all__ = ["CATALOGUE", "FULL_SCALE", "Effect", "Mirror", "also", "declare"]
+__all__ = ["CATALOGUE", "FULL_SCALE", "LARGEST_PUSH", "Effect", "Mirror", "also", "declare"]
 
 CATALOGUE: dict[str, Effect] = {
     effect.name: effect

@@ -11,10 +11,15 @@ from functools import partial
 
 from .effect import effect
 
-__all__ = ["EFFECTS", "FULL_SCALE"]
+__all__ = ["EFFECTS", "FULL_SCALE", "LARGEST_PUSH"]
 
 FULL_SCALE = 160.0
 """Force at which the nonlinearity of a cell is stated [N]."""
+LARGEST_PUSH = 10.0
+"""How far below zero the force of a tendon may come out [N]: ten times what is typical for the zero of a cell.
+
+A reading near zero is uncertain by about as much; where more is missing, no reading and mechanism fit together.
+"""
 
 effect = partial(effect, enters="force")
 # fmt: off

@@ -33,5 +33,5 @@ EFFECTS = (
            typical=2e-3, bounds=_PLACE, tolerance=1e-5, family="left-right leverage", mirror="odd"),
     effect("pulley_radius", "radius of both pulleys + a", "m",
            "the tendons leave larger pulleys, on their outer sides, where the drawing has points",
-           typical=5e-3, bounds=_PLACE, family="compliance ratio", mirror="even"),
+           typical=5e-3, bounds=(-1.0, 10.0), family="compliance ratio", mirror="even"),
 )

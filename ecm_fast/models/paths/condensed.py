@@ -14,7 +14,7 @@ from ...kernels.condensed import step as kernels
 from ...kernels.condensed.axial_law import stretch_polynomials
 from ...kernels.layout import CONVERGED, L_FX, L_GRAVITY, LANES, N_STATION, N_TIP, NOT_CONVERGED, R_FX, R_FZ, R_TAU
 from ...mesh.discretization import Discretization
-from .general import StepCore, System
+from .general import StepCore, System, without_forces
 
 __all__ = ["Columns", "Condensation", "Guess", "columns", "solve_mechanisms", "solve_nodes"]
 
@@ -96,8 +96,9 @@ class Condensation:
             for name, (first, shape) in stepper.pieces(order).items()
         }
         parts["con"][:], parts["loads"][:], parts["tables"][:] = self.con, loads, self.mesh.tables
-        parts["stations"][:], parts["tip"][:], parts["q_rest"][:] = system
-        parts["q"][:] = system[2]
+        parts["slopes"][:] = self.mesh.slopes
+        parts["stations"][:], parts["tip"][:], _ = system
+        parts["start"][:] = parts["trail"][:] = without_forces(self.mesh, system, loads)
         parts["state"][[R_FX, R_FZ, R_TAU]] = loads[L_FX:L_GRAVITY]
         guess = self.fit_guess(lam_max, loads[L_FX:L_GRAVITY]) if lam_max > 0.0 else None
         if guess is not None:
@@ -109,7 +110,8 @@ class Condensation:
         step: Any = functools.partial(compiled_step(order), memory.ctypes.data)
         # the address is all that the compiled step knows of: the function must keep the memory alive
         step.memory = memory
-        return StepCore(step, kept, parts["jacobian"], parts["compliance"], (memory, places), threading.Lock())
+        derivatives_of = parts["jacobian"], parts["compliance"]
+        return StepCore(step, kept, *derivatives_of, (memory, places), parts["followed"], threading.Lock())
 
 
 @functools.cache

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...kernels.condensed.control_step import rescue
-from ...kernels.general.newton import solve_work_size
-from ...kernels.layout import N_OUT
+from ...kernels.condensed.control_step import rescue, trail_size
+from ...kernels.general.newton import solve, solve_work_size
+from ...kernels.layout import CONVERGED, N_LOADS, N_OUT
 from ...mesh.discretization import Discretization
 
-__all__ = ["Step", "StepCore", "System", "robust_stepper"]
+__all__ = ["Step", "StepCore", "System", "robust_stepper", "without_forces"]
 
 Array = NDArray[np.float64]
 Step = Callable[[float, float], tuple[float, float, float, int]]
@@ -31,6 +31,7 @@ class StepCore:
     kept : what a call leaves for the next one
     jacobian, compliance : (3, 2), (3, 3) overwritten by each call, where it makes derivatives
     system : where the function takes its constants from, by name: an array and where in it each part begins
+    followed : (1,) 1 where the last answer may be owed to the calls before, 0 where it depends on its arguments alone
     lock : held by calls that let go of the interpreter's lock
     """
 
@@ -39,6 +40,7 @@ class StepCore:
     jacobian: Array
     compliance: Array
     system: tuple[Array, dict[str, int]]
+    followed: Array
     lock: threading.Lock
 
 
@@ -50,14 +52,10 @@ def robust_stepper(mesh: Discretization, system: System, loads: Array, afresh: b
     """
     constants = np.concatenate([system[0].ravel(), system[1]])  # of its own, in one array
     places = {"stations": 0, "tip": system[0].size}
-    stations, tip, q_rest = constants[: system[0].size].reshape(system[0].shape), constants[system[0].size :], system[2]
-    loads, q, out, compliance, jacobian = (
-        loads.copy(),
-        q_rest.copy(),
-        np.empty(N_OUT),
-        np.empty((3, 3)),
-        np.empty((3, 2)),
-    )
+    stations, tip = constants[: system[0].size].reshape(system[0].shape), constants[system[0].size :]
+    loads, start = loads.copy(), without_forces(mesh, system, loads)
+    trail, out, compliance, jacobian = start.copy(), np.empty(N_OUT), np.empty((3, 3)), np.empty((3, 2))
+    followed = np.array([0.0 if afresh else 1.0])
     lock = threading.Lock()
     work = np.zeros(solve_work_size(mesh.nodes.size, mesh.n_elements, mesh.order))
 
@@ -65,8 +63,26 @@ def robust_stepper(mesh: Discretization, system: System, loads: Array, afresh: b
         lam = float(lam_l), float(lam_r)
         with lock:
             result: tuple[float, float, float, int] = rescue(
-                mesh.tables, stations, tip, q_rest, loads, q, work, out, compliance, jacobian, afresh, *lam
+                mesh.tables, stations, tip, start, trail, loads, work, out, compliance, jacobian, afresh, np.inf, *lam
             )
         return result
 
-    return StepCore(step, (q, jacobian, compliance), jacobian, compliance, (constants, places), lock)
+    kept = trail, loads, jacobian, compliance
+    return StepCore(step, kept, jacobian, compliance, (constants, places), followed, lock)
+
+
+def without_forces(mesh: Discretization, system: System, loads: Array) -> Array:
+    """Return loads and nodes of the equilibrium without tendon forces, (trail_size,), from which a control step starts.
+
+    loads : (N_LOADS,), its tendon forces 0
+    Where there is none, the straight beam under no load at all.
+    """
+    stations, tip, q_rest = system
+    trail = np.zeros(trail_size(mesh.nodes.size))
+    work = np.zeros(solve_work_size(mesh.nodes.size, mesh.n_elements, mesh.order))
+    nodes = trail[N_LOADS + 1 :]
+    status = solve(mesh.tables, stations, tip, q_rest, loads, nodes, work, np.empty(N_OUT))
+    trail[:N_LOADS], trail[N_LOADS] = loads if status == CONVERGED else 0.0, 1.0
+    if status != CONVERGED:
+        nodes[:] = q_rest
+    return trail

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...data.measurements import Measurements
 from ...errors import InputError, NotConverged
 from ...kernels.general.tip import tip_wrench
-from ...kernels.layout import L_FX, L_GRAVITY, N_LOADS, T_JOINT
+from ...kernels.layout import L_FX, L_GRAVITY, L_PRESTRAIN, N_LOADS, T_JOINT
 from ..finite_element import FiniteElementModel
 from ..path_state import PathChoice
 from .model import PolynomialModel
@@ -158,7 +158,7 @@ def tip_wrenches(
     tip[T_JOINT] = 0.0  # the poses are the head's
     places, tensions = np.atleast_2d(np.asarray(poses, dtype=np.float64)), np.atleast_2d(lam)
     loads, acting = np.zeros((len(places), N_LOADS)), np.empty((len(places), 3))
-    loads[:, :L_FX] = tensions
+    loads[:, :L_FX], loads[:, L_PRESTRAIN] = tensions, 1.0
     if wrenches is not None:
         loads[:, L_FX:L_GRAVITY] = wrenches
     for load, (x, z, theta), row in zip(loads, places, acting, strict=True):

@@ -56,10 +56,13 @@ def tendon(p: Parameters, side: float, pose: Any) -> tuple[Any, Any, Any, Any]:
         v = c - P,   l = sqrt(v.v - rho^2),   e = (l v + side rho v_perp) / v.v,   v_perp = (-v_z, v_x)
 
     P is the attachment, c the pulley's center, rho its radius: e points from P to the point where the tendon meets
-    the pulley on its outer side. The length is l plus what is wrapped, up to a constant; its gradient by P is -e,
+    the pulley on its outer side. With a pulley above its attachment on the straight beam the tendon runs up, and `side`
+    changes its sign. The length is l plus what is wrapped, up to a constant; its gradient by P is -e,
     which is why the tension stays conservative. Source: the paper, the definition of e_l, e_r before (26).
     """
     rho = p["tendons.pulley_radius"] + p["effects.pulley_radius"]
+    if np.real(_pulley(p, side)[0] - p["beam.length"] - p["effects.beam_length"] - _attached(p, side)[0]) > 0.0:
+        rho = -rho
     r = _lever(_attached(p, side), pose[2])
     v = _pulley(p, side) - pose[:2] - r
     square = v @ v

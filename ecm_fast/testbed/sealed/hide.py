@@ -11,10 +11,12 @@ import numpy as np
 from ...data.measurements import Measurements
 from ...errors import InputError, did_you_mean, shown
 from ...mechanism.catalogue import CATALOGUE
+from ...mechanism.derived import limits
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find
 from ...mechanism.quantity import Quantity
 from ...mechanism.sections import EFFECT_QUANTITIES, STIFFNESSES
+from ...mechanism.vector import pack
 from .. import BUILT_IN, OUTSIDE, Sensors, measure
 from .. import design as loads_of
 from .ground_truth import Truth
@@ -131,7 +133,7 @@ def hide(
     hidden, outside = drawn(effects or {}, of_sizes)
     tolerance = _tolerance(taken, {name.partition(".")[0] for name in hidden}, of_build)
     values = {name: _scattered(neck, name, spread, of_build) for name in STIFFNESSES}
-    own = {name: neck.effects.get(name, 0.0) + off for name, off in tolerance.items()}
+    own = {name: _built(neck, name, off) for name, off in tolerance.items()}
     built = neck.replace(**values, **_keyed(own), **_keyed(hidden))
     loads = loads_of(design, replicated=taken.replicated, replicates=taken.replicates, sessions=sessions, seed=of_loads)
     data = measure(built, loads, taken.sensors, of_noise, hidden=outside)
@@ -195,6 +197,11 @@ def _tolerance(taken: Conditions, hidden: set[str], rng: Rng) -> dict[str, float
     off = {name: sigma * float(rng.standard_normal()) for name, sigma in (TOLERANCES | FRAME).items()}
     used = {**(TOLERANCES if taken.geometry else {}), **(FRAME if taken.frame else {})}
     return {name: off[name] for name in used if name not in hidden}
+
+
+def _built(neck: Mechanism, name: str, off: float) -> float:
+    """Return what is there of an effect where the build is `off`, as far as that can be."""
+    return float(np.clip(neck.effects.get(name, 0.0) + off, *limits(f"effects.{name}", pack(neck))))
 
 
 def _scattered(neck: Mechanism, name: str, spread: bool, rng: Rng) -> float:

@@ -5,7 +5,7 @@ from ...layout import S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
 from ...trig import sincos
 from ..section import section_law
 
-__all__ = ["element", "element_residual", "sizes", "take"]
+__all__ = ["element", "element_residual", "section_at", "sizes", "take"]
 
 
 @kernel
@@ -15,7 +15,7 @@ def sizes(basis):
 
 
 @step_kernel
-def _section_at(basis, station, g, q):
+def section_at(basis, station, g, q):
     """Angle's sine and cosine, strains and section law at Gauss point `g`; arguments as in `element`."""
     dx, dz, theta, dtheta = q[0] * 0.0, q[0] * 0.0, q[0] * 0.0, q[0] * 0.0  # real or complex, as q is
     for a in range(basis.shape[2]):
@@ -37,7 +37,7 @@ def element_residual(basis, stations, gravity, q, res):
     """
     for g in range(basis.shape[1]):
         station = stations[g]
-        s, c, gamma_x, gamma_z, _, (N, Q, M, _, _, _, _, _, _) = _section_at(basis, station, g, q)
+        s, c, gamma_x, gamma_z, _, (N, Q, M, _, _, _, _, _, _) = section_at(basis, station, g, q)
         w, inv_h = station[S_WEIGHT], station[S_INV_H]
         n_x, n_z = w * inv_h * (N * c + Q * s), w * inv_h * (Q * c - N * s)
         couple, M = w * (Q * gamma_x - N * gamma_z), w * inv_h * M
@@ -64,7 +64,7 @@ def element(basis, stations, gravity, q, res, K, room):
     n_a = basis.shape[2]
     for g in range(basis.shape[1]):
         station = stations[g]
-        s, c, gamma_x, gamma_z, _, law = _section_at(basis, station, g, q)
+        s, c, gamma_x, gamma_z, _, law = section_at(basis, station, g, q)
         N, Q, M, N_x, N_z, N_k, Q_z, Q_k, M_k = law
         inv_h, w = station[S_INV_H], station[S_WEIGHT]
 
