@@ -1,4 +1,4 @@
-"""What several parameters make together, and must be possible too: lengths, masses, radii, stiffnesses, gains.
+"""Derived quantities with bounds: lengths, masses, radii, stiffnesses and gains that parameters make together.
 
 Each parameter has bounds of its own, but an effect adds to a part of the mechanism: the sum must stay physical. The
 kernels refuse the same mechanisms, see `kernels.prepare`.
