@@ -118,7 +118,7 @@ done = ecm.warmup()
 before, again = compilations(), ecm.warmup()
 neck = ecm.Mechanism.preset("slender").replace(pulley_z=0.0645, **{"tendons.pulley_radius": 0.0055})
 lam = np.random.default_rng(1).uniform(0.0, 160.0, (5000, 2))
-for model in (ecm.FiniteElementModel(neck), ecm.FiniteElementModel(neck, 20, 1)):
+for model in (ecm.FiniteElementModel(neck, 1, 4), ecm.FiniteElementModel(neck), ecm.FiniteElementModel(neck, 20, 1)):
     model.solve((40.0, 10.0), (1.0, 2.0, 0.1)).shape(20)
     model.solve_batch(lam[:9].tolist(), np.zeros((9, 3)), threads=2)
     model.solve_batch(lam, tolerance=1e-6)
@@ -138,6 +138,7 @@ print(json.dumps([done.compiled, done.from_cache, again.compiled, again.from_cac
 """
 
 
+@pytest.mark.timeout(900)  # on a fresh machine all of the warm-up is compiled here
 def test_after_a_warm_up_nothing_is_compiled_or_loaded(tmp_path):
     """numba's own counters in a fresh process."""
     warmup()  # fills the cache where it is empty
