@@ -79,6 +79,7 @@ def test_residual_rms_and_rows_count_measured_and_converged() -> None:
         "not_converged": 0,
         "tendon_zero_length": 1,
         "invalid_input": 0,
+        "section_unstable": 0,
     }
     np.testing.assert_allclose(found.residual[:2, 0], [3e-3, -4e-3])
     assert np.isnan(found.residual[2]).all()
