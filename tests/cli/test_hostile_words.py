@@ -158,7 +158,7 @@ def damaged(whole: Any) -> Iterator[Any]:
 
 def test_next_says_what_is_wrong_with_a_damaged_result(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each part in turn lost or replaced; the fit of rivals is left out, since it reads nothing of the file itself."""
-    monkeypatch.setattr("ecm_fast.diagnosis.design.next_loads.rivals_of", lambda *_, **__: [])
+    monkeypatch.setattr("ecm_fast.studies.diagnosis.Study.next_loads", lambda *_, **__: None)
     Path("result.json").write_text(json.dumps(RESULT))
     assert run("next", "result.json")[0] == 0
     cases = list(damaged(RESULT))
