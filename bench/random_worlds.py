@@ -7,20 +7,26 @@ two at 0.1 to 10 times their typical size, and one load that bends it anywhere f
 World i of a seed is always the same, so a run can be cut into chunks.
 """
 
-from dataclasses import dataclass
+import argparse
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ecm_fast import FiniteElementModel
 from ecm_fast.mechanism.catalogue import CATALOGUE
 from ecm_fast.mechanism.mechanism import Mechanism
-from ecm_fast.mechanism.parameters import find, pack
+from ecm_fast.mechanism.parameters import find
 from ecm_fast.mechanism.quantity import Quantity
+from ecm_fast.mechanism.vector import pack
 
 Array = NDArray[np.float64]
 
 # log10 of the ranges: length [m], EI [N m^2], EA and GA in EI/L^2, forces in EI/L^2
 LENGTH, BENDING, STIFFNESS, FORCE = (-3.0, 1.0), (-3.0, 3.0), (0.0, 6.0), (-3.0, 2.0)
+# errors below this are rounding [rad, shares of the length]
+FLOOR = 1e-9
 # effects that the statics of one load know: neither the camera's nor those of what came before
 STATIC = [effect for effect in CATALOGUE.values() if effect.enters not in ("camera", "path")]
 UNITS = {
@@ -80,3 +86,98 @@ def arrays(worlds: list[World]) -> tuple[Array, Array, Array]:
     """Return parameter vectors (n, n_parameters), tendon forces (n, 2) and wrenches (n, 3)."""
     par = np.stack([pack(each.mechanism) for each in worlds])
     return par, np.stack([each.lam for each in worlds]), np.stack([each.wrench for each in worlds])
+
+
+@dataclass
+class Tally:
+    """What the ways of solving said of many worlds.
+
+    Attributes
+    ----------
+    worlds, solved : how many, and how many of them `solve` calls converged
+    verdicts : worlds that `solve` and twice as many elements judge differently
+    inaccurate, silent : poses off by more than the accuracy, and those of them whose `error` does not say so
+    batch, step : worlds where a batch, or a control step whose `error` keeps the accuracy, is off or judges differently
+    covered, tight : share of the estimates above the error, and below 30 times the error, either counted from a floor
+    """
+
+    worlds: int = 0
+    solved: int = 0
+    verdicts: list[int] = field(default_factory=list)
+    inaccurate: list[int] = field(default_factory=list)
+    silent: list[int] = field(default_factory=list)
+    batch: list[int] = field(default_factory=list)
+    step: list[int] = field(default_factory=list)
+    off: list[float] = field(default_factory=list)
+    estimates: list[float] = field(default_factory=list)
+    coarse_off: list[float] = field(default_factory=list)
+    coarse_estimates: list[float] = field(default_factory=list)
+
+    def quality(self, *, coarse: bool = False) -> tuple[float, float]:
+        """Return `covered` and `tight`: of the results, or of one element of order 5 before any refinement."""
+        off = np.maximum(self.coarse_off if coarse else self.off, FLOOR)
+        estimate = np.maximum(self.coarse_estimates if coarse else self.estimates, FLOOR)
+        return float(np.mean(off <= estimate)), float(np.mean(estimate <= 30.0 * off))
+
+
+def compare(seed: int, numbers: Iterable[int], accuracy: float = 1e-6) -> Tally:
+    """Solve worlds in every way, and compare with twice as many elements."""
+    tally, chosen = Tally(), list(numbers)
+    worlds = [world(seed, i) for i in chosen]
+    par, lam, wrench = arrays(worlds)
+    many = FiniteElementModel(accuracy=accuracy).solve_batch(lam, wrench, parameters=par)
+    for row, (i, each) in enumerate(zip(chosen, worlds, strict=True)):
+        tally.worlds += 1
+        model = FiniteElementModel(each.mechanism, accuracy=accuracy)
+        length = each.mechanism.beam.length + each.mechanism.effects.get("beam_length", 0.0)
+        unit = np.array([length, length, 1.0])
+        loads = tuple(each.lam.tolist()), tuple(each.wrench.tolist())
+        eq = model.solve(*loads)
+        half = eq.discretization.halved
+        fine = FiniteElementModel(each.mechanism, half.shares, half.order).solve(*loads)
+        if eq.status != fine.status:
+            tally.verdicts.append(i)
+        if many.status[row] != eq.status or (eq.converged and _off(many.pose[row], eq.pose, unit) > accuracy):
+            tally.batch.append(i)
+        step = model.stepper(each.wrench)
+        *pose, status = step(*loads[0])
+        if status != eq.status and not step.error > accuracy:
+            tally.step.append(i)
+        if not (eq.converged and fine.converged):
+            continue
+        tally.solved += 1
+        off = _off(eq.pose, fine.pose, unit)
+        tally.off.append(off)
+        tally.estimates.append(eq.error)
+        coarse = FiniteElementModel(each.mechanism, 1, 5).solve(*loads)
+        if coarse.converged:
+            tally.coarse_off.append(_off(coarse.pose, fine.pose, unit))
+            tally.coarse_estimates.append(coarse.error)
+        if off > accuracy:
+            (tally.inaccurate if eq.error > accuracy else tally.silent).append(i)
+        if status == eq.status and step.error <= accuracy and _off(np.array(pose), fine.pose, unit) > 2.0 * accuracy:
+            tally.step.append(i)
+    return tally
+
+
+def _off(pose: Array, other: Array, unit: Array) -> float:
+    return float(np.abs((pose - other) / unit).max())
+
+
+def main() -> None:
+    """Compare worlds, and print the tally."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--count", type=int, default=1000)
+    args = parser.parse_args()
+    tally = compare(args.seed, range(args.first, args.first + args.count))
+    print(f"{tally.worlds} worlds of seed {args.seed} from {args.first}, {tally.solved} solved")
+    for name in ("verdicts", "inaccurate", "silent", "batch", "step"):
+        print(f"{name}: {len(getattr(tally, name))} {getattr(tally, name)[:20]}")
+    print("estimate above the error, below 30 times it: {:.4f}, {:.4f}".format(*tally.quality()))
+    print("one element of order 5: {:.4f}, {:.4f}".format(*tally.quality(coarse=True)))
+
+
+if __name__ == "__main__":
+    main()

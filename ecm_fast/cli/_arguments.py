@@ -194,7 +194,9 @@ def count(text: str) -> int:
 def add_model(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the commands that solve."""
     parser.add_argument("--mechanism", metavar="F", help="mechanism file (TOML); default: the preset 'slender'")
-    parser.add_argument("--elements", metavar="N", type=count, help="number of equal elements; default: one")
+    parser.add_argument(
+        "--elements", metavar="N", type=count, help="number of equal elements; default: refined where needed"
+    )
     parser.add_argument("--order", metavar="P", type=count, help="of their shape functions; default: the model's")
 
 

@@ -22,7 +22,7 @@ from ..models.instruments.checks.checks import faults
 from ..models.instruments.checks.finding import Finding
 from .least_squares import NEAR, Loss, Minimum, visible
 from .result import Estimate, Identification, Objective
-from .rows import CHANNELS, RESIDUAL, FitRows, FitSet, Noise, State, check_force_sigma, prior_std
+from .rows import CHANNELS, RESIDUAL, FitRows, FitSet, Noise, State, check_force_sigma, common_mesh, prior_std
 from .starts import starts
 from .variance_components import VarianceComponents
 from .warnings import far_off, in_words
@@ -52,8 +52,8 @@ def identify(
     loss_scale: float = 1.345,
     force_sigma: float | None = None,
     level: float = 0.90,
-    elements: int | ArrayLike = 1,
-    order: int = 5,
+    elements: int | ArrayLike | None = None,
+    order: int | None = None,
 ) -> Identification:
     """Return the parameters at which the model meets the measurements best.
 
@@ -72,7 +72,8 @@ def identify(
     loss_scale : the residual, in standard deviations, from which on it counts as an outlier
     force_sigma : noise of the force readings [N], carried through the model; default as the measurements declare it
     level : probability of the intervals
-    elements, order : the discretization, see `FiniteElementModel`
+    elements, order : the discretization, see `FiniteElementModel`; default one whose error is a tenth of the declared
+        noise, or 1e-6 rad and shares of the length, at the start and at the fit
 
     Raises
     ------
@@ -119,16 +120,31 @@ def fit_parameters(
     loss_scale: float = 1.345,
     force_sigma: float | None = None,
     level: float = 0.90,
-    elements: int | ArrayLike = 1,
-    order: int = 5,
+    elements: int | ArrayLike | None = None,
+    order: int | None = None,
 ) -> Identification:
     """Fit parameters to experiments as they are, without any check of the measurements; arguments as `identify`."""
-    rows = FitRows(sets, names, Discretization.of(elements, order))
     prior = _prior(names, priors or {})
     if not 0.0 < real("level", level) < 1.0:
         raise InputError(f"level = {shown(level)}: allowed is a number between 0 and 1")
     check_force_sigma(force_sigma)
-    return _Fit(rows, prior, Loss(loss, loss_scale), level, force_sigma).best()
+
+    def run(mesh: Discretization) -> Identification:
+        return _Fit(FitRows(sets, names, mesh), prior, Loss(loss, loss_scale), level, force_sigma).best()
+
+    if elements is not None or order is not None:
+        return run(Discretization.of(1 if elements is None else elements, order))
+    mesh, _ = common_mesh(sets)
+    fit = run(mesh)
+    # the fit may bend further than the start
+    fitted = [replace(entry, mechanism=built) for entry, built in zip(sets, fit.mechanisms, strict=True)]
+    finer, unresolved = common_mesh(fitted, mesh)
+    if finer != mesh:
+        fit = run(finer)
+    if unresolved:
+        warning = f"{unresolved} rows: the discretization error exceeds a tenth of the noise"
+        fit = replace(fit, warnings=(*fit.warnings, warning))
+    return fit
 
 
 def _faults(sets: Sequence[FitSet], names: Sequence[str]) -> list[list[Finding]]:

@@ -14,9 +14,9 @@ from ..mechanism.derived import limits
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.parameters import index
 from ..mechanism.vector import pack
-from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
 from ..models.instruments.measuring_chain import MeasuringChain
+from ..models.instruments.mesh_choice import mesh_for
 from ..models.loads import last_step
 from .identify import identify, t_quantile
 
@@ -163,7 +163,8 @@ class _Density:
             raise InputError(f"no samples of {name}: {next(iter(fit.warnings), 'the measurements do not see it')}")
         self.lower, self.upper = np.array([limits(name, pack(fit.mechanism)) for name in names]).T
         self._places = [index(name) for name in names]
-        self._chain, self._par = MeasuringChain(Discretization.of(1), data), pack(fit.mechanism)
+        self._par = pack(fit.mechanism)
+        self._chain = MeasuringChain(mesh_for(self._par, data)[0], data)
         self._data, self._used = data, fit.used
         self._whiten = self._whitening(fit.sigma, force_sigma)
         self._priors = [(list(names).index(name), value, std) for name, (value, std) in priors.items()]

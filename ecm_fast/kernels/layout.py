@@ -56,19 +56,22 @@ N_TIP = T_USER + N_USER
 
 # constants of the condensed formulation, one flat array: the tip's come first, then the clamp's angle [rad], the share
 # of it in the tip's angle [rad], 1/length^2, 1/force^2 (a tip force that changes by this force counts as a turn of
-# 1 rad), the shift of the scaled axial force and the polynomials in it for the stretch and its slope, then eight
+# 1 rad), the shift of the scaled axial force, how rough the compliance is along the beam [-], the polynomials in the
+# scaled axial force for the stretch and its slope, then eight
 # numbers a Gauss point (weight [m], scale of the axial force [1/N], 1/EA, dead load beyond the point in x and z [N],
 # 1/GA, the couple of clamp and curvature as built [N m], share of its angle in the tip's), then the stiffness of the
 # angles [N m], lower triangle
 N_STRETCH, N_SLOPE, N_POINT = 13, 9, 8
-C_THETA0, C_TIP, C_INV_LENGTH2, C_INV_FORCE2, C_SHIFT, C_STRETCH = range(N_TIP, N_TIP + 6)
+C_THETA0, C_TIP, C_INV_LENGTH2, C_INV_FORCE2, C_SHIFT, C_ROUGH, C_STRETCH = range(N_TIP, N_TIP + 7)
 C_SLOPE = C_STRETCH + N_STRETCH
 C_STATION = C_SLOPE + N_SLOPE
 
 # state of the condensed formulation, quantity after quantity: the load, what is solved for beside the angles, the
-# verdict on the step; the wrench on the tip section, its stiffness, and each tendon's wrench by unit force; ...
+# verdict on the step; the wrench on the tip section, its stiffness, and each tendon's wrench by unit force; a bound
+# of the discretization error; ...
 (R_LAM_L, R_LAM_R, R_FX, R_FZ, R_TAU, R_X, R_Z, R_FORCE_X, R_FORCE_Z, R_THETA, R_SIZE, R_PIVOT, R_EXTREME,
- R_WX, R_WZ, R_WTAU, R_XX, R_XZ, R_ZZ, R_XT, R_ZT, R_TT, R_LX, R_LZ, R_LT, R_RX, R_RZ, R_RT, R_POINT) = range(29)
+ R_WX, R_WZ, R_WTAU, R_XX, R_XZ, R_ZZ, R_XT, R_ZT, R_TT, R_LX, R_LZ, R_LT, R_RX, R_RZ, R_RT, R_DOUBT,
+ R_POINT) = range(30)
 # ... then for each Gauss point its angle, and what the section there leaves for the step: stiffness against turning,
 # couple of the contact force, less the tip displacement by angle in x and z, part of the tip position, compliance; ...
 P_THETA, P_TURN, P_COUPLE, P_BX, P_BZ, P_DX, P_DZ, P_XX, P_XZ, P_ZZ, N_SECTION = range(11)

@@ -1,18 +1,17 @@
 """Batches of cases: the condensed path where it applies, the general path for the rest, in threads."""
 
+import functools
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernels.general.batch import solve_many
-from ..kernels.layout import N_OUT, O_FACTOR, O_THETA, O_X, O_Z
 from ..mesh.discretization import Discretization
 from .equilibrium import BatchResult, Status
 from .loads import pushing
 from .paths.chain import Chain
-from .paths.condensed import Columns, Condensation, columns, solve_mechanisms
-from .refinement import loads_of, work_arrays
+from .paths.condensed import Condensation, columns, solve_mechanisms
+from .refinement import errors, loads_of, solutions, solve_refined, stands
 
 __all__ = ["fast_path", "solve_cases"]
 
@@ -35,6 +34,7 @@ def solve_cases(
     last2: float,
     threads: int,
     result: BatchResult | None = None,
+    accuracy: float | None = None,
 ) -> BatchResult:
     """Solve every case, or say why not.
 
@@ -44,27 +44,36 @@ def solve_cases(
     par : (1, n_parameters) that mechanism; or (n, n_parameters), one for each case
     lam : (n, 2), wrench : (1 or n, 3), last2 : largest squared last step of Newton's method
     result : overwritten and returned; none: a new one
+    accuracy : discretization error that is kept by refining what needs it; None: nothing is refined
     """
     n = len(lam)
     if result is None:
-        result = BatchResult(*columns(n), np.ones(n))
+        x, z, theta, status, _ = columns(n)
+        result = BatchResult(x, z, theta, status, np.ones(n), accuracy)
     else:
         result.load_factor.fill(1.0)
         if fast is None:  # else it overwrites every status
             result.status.fill(Status.NOT_CONVERGED)
-    out, factor = (result.x, result.z, result.theta, result.status), result.load_factor
+    out, factor, doubt = (result.x, result.z, result.theta, result.status), result.load_factor, np.empty(n)
     guess = fast.fit_guess(lam.max(), wrench[0]) if fast and len(wrench) == 1 and n >= WORTH_A_GUESS else None
+    settled: list[tuple[NDArray[np.intp], Array]] = []
 
     def part(rows: slice) -> None:
-        own = out[0][rows], out[1][rows], out[2][rows], out[3][rows]
+        own = out[0][rows], out[1][rows], out[2][rows], out[3][rows], doubt[rows]
+        if not isinstance(fast, Condensation):
+            own[4].fill(np.inf)
         loads = lam[rows], wrench if len(wrench) == 1 else wrench[rows]
         if fast is not None:
             fast.solve(*loads, last2, own, guess)
         elif len(par) == n:
             solve_mechanisms(mesh, par[rows], *loads, last2, own)
-        todo = rows.start + np.flatnonzero(own[3] != Status.CONVERGED)
+        open_ = own[3] != Status.CONVERGED
+        if accuracy is not None:
+            open_ |= ~(own[4] <= accuracy)
+        todo = rows.start + np.flatnonzero(open_)
         if todo.size:
-            _finish(mesh, todo, par, lam, wrench, out, factor)
+            error = _finish(mesh, todo, par, lam, wrench, last2, out, factor, accuracy)
+            settled.append((todo, error))
             for column in own[:3]:
                 column[own[3] > Status.UNSTABLE] = np.nan
 
@@ -74,20 +83,65 @@ def solve_cases(
         result.status[refused], result.load_factor[refused] = Status.INVALID_INPUT, 0.0
         for column in out[:3]:
             column[refused] = np.nan
+    known = [] if accuracy is None else settled
+    result.postpone(accuracy, functools.partial(_errors, mesh, par, lam.copy(), wrench.copy(), last2, known))
     return result
 
 
 def _finish(
-    mesh: Discretization, todo: NDArray[np.intp], par: Array, lam: Array, wrench: Array, out: Columns, factor: Array
-) -> None:
-    """Solve the cases `todo` with the robust solver."""
-    loads = loads_of(lam[todo], wrench if len(wrench) == 1 else wrench[todo])
-    result, verdict = np.empty((todo.size, N_OUT)), np.empty(todo.size, dtype=np.int64)
-    own, no_nodes = par if len(par) == 1 else par[todo], np.empty((0, 3 * mesh.nodes.size))
-    solve_many(mesh.tables, mesh.mesh, mesh.nodes, own, loads, work_arrays(mesh), result, verdict, no_nodes)
-    for column, place in zip(out, (O_X, O_Z, O_THETA), strict=False):
-        column[todo] = result[:, place]
-    out[3][todo], factor[todo] = verdict, result[:, O_FACTOR]
+    mesh: Discretization,
+    todo: NDArray[np.intp],
+    par: Array,
+    lam: Array,
+    wrench: Array,
+    last2: float,
+    out: tuple[Array, Array, Array, NDArray[np.int64]],
+    factor: Array,
+    accuracy: float | None,
+) -> Array:
+    """Solve the cases `todo` on the general path, or refine what may be inaccurate; return the errors if estimated."""
+    own, loads = par if len(par) == 1 else par[todo], (lam[todo], wrench if len(wrench) == 1 else wrench[todo])
+    found = solutions(mesh, own, *loads, last2)
+    pose, status, load_factor, error = found.pose, found.status, found.load_factor, np.full(todo.size, np.nan)
+    if accuracy is not None:
+        error = errors(mesh, own, loads_of(*loads), found)
+        left = np.flatnonzero(~stands((status, load_factor, error), accuracy))
+        if left.size:
+            rest = (
+                own if len(own) == 1 else own[left],
+                loads[0][left],
+                loads[1] if len(loads[1]) == 1 else loads[1][left],
+            )
+            verdict = status[left], load_factor[left], error[left]
+            pose[left], status[left], load_factor[left], error[left] = solve_refined(
+                mesh, *rest, last2, accuracy, verdict
+            )
+    for column, values in zip(out, (*pose.T, status), strict=True):
+        column[todo] = values
+    factor[todo] = load_factor
+    return np.where(status <= Status.UNSTABLE, error, np.nan)
+
+
+def _errors(
+    mesh: Discretization,
+    par: Array,
+    lam: Array,
+    wrench: Array,
+    last2: float,
+    known: list[tuple[NDArray[np.intp], Array]],
+) -> Array:
+    """Return the estimated discretization errors of many cases, (n,), nan where there is no equilibrium.
+
+    known : places of cases, and their errors
+    """
+    error, rest = np.empty(len(lam)), np.ones(len(lam), dtype=np.bool_)
+    for rows, values in known:
+        error[rows], rest[rows] = values, False
+    own = par if len(par) == 1 else par[rest], lam[rest], wrench if len(wrench) == 1 else wrench[rest]
+    found = solutions(mesh, *own, last2)
+    estimate = errors(mesh, own[0], loads_of(*own[1:]), found)
+    error[rest] = np.where(found.status <= Status.UNSTABLE, estimate, np.nan)
+    return error
 
 
 def _in_threads(part: Callable[[slice], None], n: int, threads: int) -> None:

@@ -1,5 +1,6 @@
 """The result of one solve: pose, status, and convergence data."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import cached_property
@@ -217,6 +218,9 @@ class BatchResult:
     x, z, theta : (n,) tip poses [m, m, rad]; nan unless converged
     status : (n,) values of `Status`
     load_factor : (n,) see `Equilibrium`
+    accuracy : the discretization error that was asked for; None where the discretization was given by hand
+    error : (n,) estimated discretization errors of the poses, in rad and shares of the length, see `Equilibrium`; nan
+        unless converged. What was not refined is solved again when they are first asked for, at some 30 us a case
     """
 
     x: Array
@@ -224,6 +228,28 @@ class BatchResult:
     theta: Array
     status: NDArray[np.int64]
     load_factor: Array
+    accuracy: float | None = None
+    _estimate: list[Array | Callable[[], Array]] = field(default_factory=list, repr=False, compare=False)
+
+    def postpone(self, accuracy: float | None, estimate: Callable[[], Array]) -> None:
+        """Take a function that returns the errors, (n,), to call when they are asked for, and their accuracy."""
+        object.__setattr__(self, "accuracy", accuracy)
+        self._estimate[:] = [estimate]
+
+    @property
+    def error(self) -> Array:
+        """Estimated discretization errors, (n,)."""
+        (estimate,) = self._estimate
+        if callable(estimate):
+            estimate = self._estimate[0] = estimate()
+        return estimate
+
+    @property
+    def accurate(self) -> NDArray[np.bool_]:
+        """Where the error is estimated to keep the accuracy that was asked for, (n,); everywhere where none was."""
+        if self.accuracy is None:
+            return np.ones(len(self), dtype=np.bool_)
+        return np.less_equal(self.error, self.accuracy) | ~self.converged
 
     @property
     def pose(self) -> Array:

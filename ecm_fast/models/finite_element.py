@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, real, shown
 from ..kernels.general.newton import solve
-from ..kernels.layout import N_OUT, O_FACTOR, O_ITERATIONS, O_PRELOAD, O_THETA, O_X, O_Z
+from ..kernels.layout import L_GRAVITY, N_OUT, O_FACTOR, O_ITERATIONS, O_PRELOAD, O_THETA, O_X, O_Z
 from ..kernels.prepare import prepare
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.vector import pack
@@ -21,12 +21,13 @@ from .batch import fast_path, solve_cases
 from .equilibrium import BatchResult, Equilibrium, Status
 from .instruments.history import path_effects
 from .inverse import Inverse
-from .loads import last_step, many_loads, one_load, parameter_rows
+from .loads import MIN_TOLERANCE, finite_load, last_step, many_loads, one_load, parameter_rows
 from .path_state import PathChoice, PathState, check_order
 from .paths.chain import Chain
-from .paths.condensed import Condensation
-from .refinement import Nodes, finer, jumps, reached, stands, work_arrays
+from .paths.condensed import ColdSolve, Condensation
+from .refinement import finer, jumps, reached, resolve, stands, work_arrays
 from .sensitivity import Sensitivities, sensitivities
+from .solution import CondensedSolution, NodalSolution
 from .stepper import Stepper
 
 __all__ = ["FiniteElementModel"]
@@ -104,7 +105,7 @@ class FiniteElementModel:
         self._finer: dict[Discretization, FiniteElementModel] = {}
         stations, tip, q_rest, _, _ = self._system
         self._inverse: tuple[tuple[float, ...], Inverse] | None = None
-        self._lock = threading.Lock()
+        self._lock, self._thread = threading.Lock(), threading.local()
         prepare(self._par, self.discretization.mesh, self.discretization.nodes, stations, tip, q_rest)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -163,12 +164,11 @@ class FiniteElementModel:
         model = self.at_state(path, "solve")
         if model is not self:
             return model.solve(lam, wrench, path="ignore")
-        loads = one_load(lam, wrench)
-        bad = ~np.isfinite(loads)
-        if bad.any():
-            name = ("lam_l", "lam_r", "fx", "fz", "tau")[int(np.argmax(bad))]
-            raise InputError(f"{name} = {loads[bad][0]}: allowed is a finite number")
-        eq, mesh = self._solve(loads, self.accuracy), self.discretization
+        loads = finite_load(lam, wrench)
+        fast, sure = self._solve_condensed(loads)
+        if fast is not None and sure:
+            return fast
+        eq, mesh = fast or self._solve(np.array(loads), self.accuracy), self.discretization
         if self.accuracy is None:
             return eq
         verdict, before, at = eq.verdict, None, jumps(self._par[None])
@@ -177,9 +177,42 @@ class FiniteElementModel:
             if finer_mesh is None:
                 break
             mesh = finer_mesh
-            eq = self._on(mesh)._solve(loads, self.accuracy)
+            eq = self._on(mesh)._solve(np.array(loads), self.accuracy)
             before, verdict = verdict, eq.verdict
         return eq
+
+    @property
+    def _cold(self) -> ColdSolve | None:
+        """The condensed path's solve of one load case, of the calling thread; None where it does not apply."""
+        if not hasattr(self._thread, "cold"):
+            fast = self._condensed
+            self._thread.cold = fast.cold(last_step(MIN_TOLERANCE)) if isinstance(fast, Condensation) else None
+        cold: ColdSolve | None = self._thread.cold
+        return cold
+
+    def _solve_condensed(self, loads: tuple[float, ...]) -> tuple[Equilibrium | None, bool]:
+        """Solve one load case on the condensed path, and say whether it surely keeps the accuracy; None: no verdict."""
+        cold = self._cold
+        if cold is None:
+            return None, False
+        x, z, theta, bound, steps = cold(*loads[:L_GRAVITY])
+        if steps == 0:
+            return None, False
+        assert isinstance(self._condensed, Condensation)
+        solution = CondensedSolution(self._condensed, self._par, cold.state())
+        eq = Equilibrium(
+            x=x,
+            z=z,
+            theta=theta,
+            status=Status.CONVERGED,
+            iterations=steps,
+            load_factor=1.0,
+            preload_factor=1.0,
+            discretization=self.discretization,
+            accuracy=self.accuracy,
+            solution=solution,
+        )
+        return eq, bound <= (self.accuracy or np.inf)
 
     def _on(self, mesh: Discretization) -> "FiniteElementModel":
         """Return the model of the same mechanism on another discretization."""
@@ -206,7 +239,7 @@ class FiniteElementModel:
             preload_factor=float(out[O_PRELOAD]),
             discretization=self.discretization,
             accuracy=accuracy,
-            solution=Nodes(self.discretization, self._par, loads, q),
+            solution=NodalSolution(self.discretization, self._par, loads, q),
         )
 
     def solve_batch(
@@ -247,8 +280,8 @@ class FiniteElementModel:
         if parameters is not None:
             par = parameter_rows(parameters, len(tensions))
             _check_rows(par, path, "solve_batch")
-            return solve_cases(mesh, None, par, tensions, dead, last2, threads, out)
-        return solve_cases(mesh, self._condensed, self._par[None], tensions, dead, last2, threads, out)
+            return solve_cases(mesh, None, par, tensions, dead, last2, threads, out, self.accuracy)
+        return solve_cases(mesh, self._condensed, self._par[None], tensions, dead, last2, threads, out, self.accuracy)
 
     def sensitivities(
         self,
@@ -280,7 +313,10 @@ class FiniteElementModel:
         if parameters is not None:
             par = parameter_rows(parameters, len(tensions))
             _check_rows(par, path, "sensitivities")
-        return sensitivities(self.discretization, names, par, tensions, dead, last_step(tolerance))
+        mesh = self.discretization
+        if self.accuracy is not None:
+            mesh, _ = resolve(mesh, par, tensions, dead, self.accuracy)
+        return sensitivities(mesh, names, par, tensions, dead, last_step(tolerance))
 
     def inverse(
         self,

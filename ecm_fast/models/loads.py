@@ -1,5 +1,7 @@
 """Validation of a model's inputs: loads, parameter vectors, tolerances."""
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -9,7 +11,16 @@ from ..mechanism.parameters import PARAMETERS, PLACES, index, size
 from ..mechanism.sections import AXIAL_LAWS
 from ..mechanism.vector import check_tail
 
-__all__ = ["MIN_TOLERANCE", "last_step", "many_loads", "numbers", "one_load", "parameter_rows", "pushing"]
+__all__ = [
+    "MIN_TOLERANCE",
+    "finite_load",
+    "last_step",
+    "many_loads",
+    "numbers",
+    "one_load",
+    "parameter_rows",
+    "pushing",
+]
 
 Array = NDArray[np.float64]
 # Newton's method leaves at most this times the square of its last step (measured: 0.4 under tendons, 1.2 with wrenches)
@@ -54,6 +65,21 @@ def one_load(lam: ArrayLike, wrench: ArrayLike) -> Array:
     """Return the kernels' loads of one case, (N_LOADS,), or raise where they cannot be meant."""
     tensions, dead = many_loads(numbers("tendon forces", lam)[None], numbers("wrench", wrench)[None])
     return np.concatenate([tensions[0], dead[0], [1.0, 1.0]])
+
+
+def finite_load(lam: ArrayLike, wrench: ArrayLike) -> tuple[float, ...]:
+    """Return the loads of one case as `one_load` does, all of them finite, or raise; quick for tuples of floats."""
+    if isinstance(lam, tuple) and isinstance(wrench, tuple) and len(lam) == 2 and len(wrench) == 3:
+        left, right, f_x, f_z, tau = loads = (*lam, *wrench)
+        plain = type(left) is type(right) is type(f_x) is type(f_z) is type(tau) is float
+        if plain and 0.0 <= left < np.inf and 0.0 <= right < np.inf and math.isfinite(f_x + f_z + tau):
+            return (*loads, 1.0, 1.0)
+    values = one_load(lam, wrench)
+    bad = ~np.isfinite(values)
+    if bad.any():
+        name = ("lam_l", "lam_r", "fx", "fz", "tau")[int(np.argmax(bad))]
+        raise InputError(f"{name} = {values[bad][0]}: allowed is a finite number")
+    return tuple(values.tolist())
 
 
 def parameter_rows(values: ArrayLike, n: int) -> Array:

@@ -4,7 +4,6 @@ A case is refined in order first, then in elements, until its estimated error ke
 stiffness jumps: inside an element a jump leaves an error that falls only slowly with its length.
 """
 
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,23 +12,20 @@ from numpy.typing import NDArray
 from ..kernels.general.batch import solve_many
 from ..kernels.general.error import tip_errors
 from ..kernels.general.newton import solve_work_size
-from ..kernels.general.sensitivity import tip_derivatives
 from ..kernels.layout import L_FX, L_GRAVITY, N_LOADS, N_OUT, N_STATION, N_TIP, O_FACTOR, O_THETA, O_X, O_Z
-from ..kernels.prepare import prepare
 from ..mechanism.parameters import PLACES
-from ..mechanism.vector import check_tail
 from ..mesh.discretization import Discretization
 from .equilibrium import Status
 from .paths.condensed import solve_nodes
 
 __all__ = [
-    "Nodes",
     "Solutions",
     "errors",
     "finer",
     "jumps",
     "loads_of",
     "reached",
+    "resolve",
     "solutions",
     "solve_refined",
     "stands",
@@ -45,6 +41,8 @@ ROUGH = 1e-2
 # a branch ends where the discretization error of its last equilibrium is below this, or where two discretizations
 # differ by no more than this share of the load: near its end the tangent is singular, and the estimate large
 BRANCH_END = 1e-3
+# largest squared last Newton step that leaves nothing beside a discretization error
+LAST2 = 1e-13
 # more different places of jumps than this in one batch: no element ends at them
 MOST_JUMPS = 8
 
@@ -87,7 +85,8 @@ def loads_of(lam: Array, wrench: Array) -> Array:
 def reached(loads: Array, factor: Any) -> Array:
     """Return loads (n, N_LOADS) of which tendon forces and wrench have a share `factor` (n, 1), see `Equilibrium`."""
     loads = loads.copy()
-    loads[..., :L_GRAVITY] *= factor
+    own = loads[..., :L_GRAVITY]
+    loads[..., :L_GRAVITY] = np.multiply(own, factor, where=factor > 0.0, out=np.zeros_like(own))  # may be infinite
     return loads
 
 
@@ -134,50 +133,6 @@ def errors(mesh: Discretization, par: Array, loads: Array, found: Solutions) -> 
     return np.where(status <= Status.UNSTABLE, 2.0 * off.max(axis=1), np.inf)
 
 
-@dataclass(frozen=True, eq=False)
-class Nodes:
-    """One solved case by all its nodes, see `equilibrium.Solution`.
-
-    Attributes
-    ----------
-    mesh : the discretization
-    par : (n_parameters,) the mechanism
-    loads : (N_LOADS,) those at which `q` is in equilibrium
-    q : (3 n_nodes,)
-    """
-
-    mesh: Discretization
-    par: Array
-    loads: Array
-    q: Array
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _restored_nodes, (self.mesh, self.par, self.loads, self.q)
-
-    def nodes(self) -> Array:
-        """Return all nodes, (3 n_nodes,)."""
-        return self.q
-
-    def derivatives(self) -> tuple[Array, Array]:
-        """Return jacobian (3, 2) and compliance (3, 3)."""
-        mesh, (stations, tip, q_rest, step, work) = self.mesh, work_arrays(self.mesh)
-        jacobian, compliance = np.empty((3, 2)), np.empty((3, 3))
-        prepare(self.par, mesh.mesh, mesh.nodes, stations, tip, q_rest)
-        tip_derivatives(mesh.tables, stations, tip, self.loads, self.q, work, step, compliance, jacobian)
-        return jacobian, compliance
-
-    def error(self) -> float:
-        """Return the estimated discretization error of the tip pose."""
-        found = Solutions(self.q[None], np.zeros(1, dtype=np.int64), self.q[None, -3:], np.ones(1))
-        return float(errors(self.mesh, self.par[None], self.loads[None], found)[0])
-
-
-def _restored_nodes(mesh: Discretization, par: Array, loads: Array, q: Array) -> Nodes:
-    """Return nodes from a pickle, or raise where its effects of the user's own are not those of this process."""
-    check_tail(par[None])
-    return Nodes(mesh, par, loads, q)
-
-
 def jumps(par: Array) -> tuple[float, ...]:
     """Return where the stiffness of any mechanism jumps, as shares of the length; none where they are too many.
 
@@ -220,6 +175,34 @@ def stands(verdict: Verdict, accuracy: float, before: Verdict | None = None) -> 
         same = np.equal(status, before[0]) & (np.abs(np.subtract(factor, before[1])) < BRANCH_END)
         sure |= same & ~found
     return np.asarray(sure)
+
+
+def resolve(
+    mesh: Discretization, par: Array, lam: Array, wrench: Array, accuracy: Array | float
+) -> tuple[Discretization, Array]:
+    """Return one discretization on which every equilibrium keeps its accuracy, and the estimated errors on it, (n,).
+
+    Parameters
+    ----------
+    mesh : where to start
+    par : (1 or n, n_parameters), lam : (n, 2), wrench : (1 or n, 3)
+    accuracy : in rad and shares of the length, one for all or (n,)
+
+    Where none is fine enough, the finest, with errors above the accuracy. Errors are nan where there is no equilibrium.
+    """
+    at, loads = jumps(par), loads_of(lam, wrench)
+    while True:
+        found = solutions(mesh, par, lam, wrench, LAST2)
+        error = np.where(found.status <= Status.UNSTABLE, errors(mesh, par, loads, found), np.nan)
+        excess = np.nan_to_num(error / accuracy, nan=0.0)
+        worst = int(np.argmax(excess)) if len(excess) else 0
+        if not len(excess) or excess[worst] <= 1.0:
+            return mesh, error
+        asked = float(np.broadcast_to(accuracy, error.shape)[worst])
+        next_ = finer(mesh, float(error[worst]), asked, at)
+        if next_ is None:
+            return mesh, error
+        mesh = next_
 
 
 def solve_refined(

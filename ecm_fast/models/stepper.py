@@ -10,17 +10,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, real, shown
 from ..kernels.history import begin, next_row, row_pieces
+from ..kernels.layout import L_FX, L_GRAVITY
 from ..kernels.prepare import prepare
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.vector import pack
 from ..mesh.discretization import Discretization
 from .batch import fast_path
+from .equilibrium import Status
 from .instruments.history import USER_ROWS, attachments, is_on_path, path_effects
 from .loads import MIN_TOLERANCE, last_step, one_load
 from .path_state import PathChoice, PathState, check_order
 from .paths.condensed import STRETCH, Condensation
-from .paths.general import StepCore, System, robust_stepper
-from .refinement import work_arrays
+from .paths.general import StepCore, System, general_stepper
+from .refinement import errors, solutions, work_arrays
 
 __all__ = ["Stepper"]
 
@@ -142,6 +144,24 @@ class Stepper:
         return bool(self._core.followed[0])
 
     @property
+    def error(self) -> float:
+        """Estimated discretization error of the last pose, in rad and shares of the length; nan where there is none.
+
+        A control step keeps its discretization, whatever the accuracy of its model: here it says what that leaves. It
+        is made when asked for, at some 50 us, and costs a step nothing.
+        """
+        mechanism, mesh, _, settings = self._arguments
+        held = self.state if self._past is not None else settings["path"]
+        par = pack(held.hold(mechanism) if isinstance(held, PathState) else mechanism)[None]
+        loads, q = self._core.last()
+        found = solutions(mesh, par, loads[None, :L_FX], loads[None, L_FX:L_GRAVITY], last_step(MIN_TOLERANCE))
+        if q is not None:  # the very state, on whatever branch
+            found = found._replace(q=q[None], status=np.zeros(1, dtype=np.int64), pose=q[None, -3:])
+        if found.status[0] > Status.UNSTABLE:
+            return math.nan
+        return float(errors(mesh, par, loads[None], found)[0])
+
+    @property
     def state(self) -> PathState:
         """What the path so far has left behind.
 
@@ -213,7 +233,7 @@ def _core(mesh: Discretization, par: Array, loads: Array, last2: float, derivati
     system = _prepared(mesh, par)
     fast = fast_path(mesh, *system)
     if fast is None:
-        return robust_stepper(mesh, system, loads, lam_max != 0.0)
+        return general_stepper(mesh, system, loads, lam_max != 0.0)
     return fast.stepper(system, loads, last2, derivatives, lam_max)
 
 
@@ -226,7 +246,7 @@ def _path_core(mesh: Discretization, par: Array, loads: Array, derivatives: bool
     last2, system = last_step(MIN_TOLERANCE), _prepared(mesh, par)
     fast = Condensation.of(mesh, *system)
     plain = _core(mesh, par, loads, last2, False, -1.0)
-    along = robust_stepper(mesh, system, loads, True) if fast is None else fast.stepper(system, loads, last2,
+    along = general_stepper(mesh, system, loads, True) if fast is None else fast.stepper(system, loads, last2,
                                                                                       derivatives, -1.0)  # fmt: skip
     constants, places = along.system
     order = 0 if fast is None else mesh.order
@@ -255,7 +275,7 @@ def _path_core(mesh: Discretization, par: Array, loads: Array, derivatives: bool
             return along.call(lam_l, lam_r) if possible else along.call(nan, nan)
 
     kept = past, *along.kept
-    return StepCore(step, kept, along.jacobian, along.compliance, along.system, along.followed, lock), past
+    return StepCore(step, kept, along.jacobian, along.compliance, along.system, along.followed, lock, along.last), past
 
 
 @functools.cache

@@ -18,6 +18,7 @@ from ..kernels.polynomial import DEGREES
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.vector import pack
 from ..mesh.families import FAMILIES
+from ..models.equilibrium import Equilibrium
 from ..models.finite_element import FiniteElementModel
 from ..models.paths.condensed import ORDERS
 from ..models.polynomial.model import ForwardPolynomial, PolynomialModel
@@ -99,14 +100,19 @@ def _touches(degrees: tuple[int, ...], families: tuple[str, ...]) -> Iterator[To
 
 def _for_mesh(what: str, model: FiniteElementModel) -> Iterator[Touch]:
     par = np.tile(pack(model.mechanism), (len(_LAM), 1))
+    yield f"{what}: one solve", lambda: _all_of(model.solve((40.0, 10.0)))
     yield f"{what}: control step", lambda: model.stepper()(40.0, 10.0)
     yield f"{what}: control step with derivatives", lambda: model.stepper(derivatives=True)(40.0, 10.0)
-    yield f"{what}: control step that the robust solver takes", lambda: model.stepper()(500.0, 480.0)
+    yield f"{what}: control step that the general path takes", lambda: model.stepper()(500.0, 480.0)
     yield f"{what}: batch", lambda: model.solve_batch(_LAM)
     yield f"{what}: batch from a polynomial", lambda: model.solve_batch(np.resize(_LAM, (_MANY, 2)))
-    yield f"{what}: batch that the robust solver takes", lambda: model.solve_batch([[500.0, 480.0]])
+    yield f"{what}: batch that the general path takes", lambda: model.solve_batch([[500.0, 480.0]])
     yield f"{what}: batch over mechanisms", lambda: model.solve_batch(_LAM, parameters=par)
     yield f"{what}: sensitivities", lambda: model.sensitivities(["EA", "length"], _LAM)
+
+
+def _all_of(eq: Equilibrium) -> object:
+    return eq.q, eq.jacobian, eq.error
 
 
 def _along_a_path(neck: Mechanism) -> object:

@@ -45,7 +45,7 @@ def cases(load: str, n: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def fast(model: FiniteElementModel, lam: np.ndarray, wrench: np.ndarray, tolerance: float, guess=None) -> tuple:
-    """Return what the fast path says, without the robust solver behind it: poses and statuses."""
+    """Return what the fast path says, without the general path behind it: poses and statuses."""
     out = columns(len(lam))
     model._condensed.solve(lam, wrench, tolerance / QUADRATIC, out, guess)
     return np.stack(out[:3], axis=1), out[3]

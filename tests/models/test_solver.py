@@ -207,6 +207,8 @@ def test_verdict_far_outside_the_range(preset, pulleys):
         # residuals are differences of forces up to 2 kN times the slopes of shape functions: 1e-16 times 1e5 for one
         # element of order 5; they grow as the square of the order, and with the number of elements
         rounding = 4e-11 * eq.discretization.order**2 * eq.discretization.n_elements
+        # the condensed path inverts the axial law by polynomials, which hold to 1e-12 of EA
+        rounding += 1e-12 * mechanism.beam.EA
         assert np.abs(reference.residual(p, eq.discretization, loads, eq.q)[3:]).max() < rounding
         eigenvalues = np.linalg.eigvalsh(reference.tangent(p, eq.discretization, loads, eq.q)[3:, 3:])
         assert (eigenvalues[0] > 0.0) == (eq.status is not Status.UNSTABLE)

@@ -178,7 +178,7 @@ def test_numbers_of_any_kind_compile_nothing(order):
 @pytest.mark.parametrize("derivatives", [False, True])
 @pytest.mark.parametrize("lam_max", [160.0, 40.0, 900.0])
 def test_with_a_range_no_call_depends_on_those_before(name, derivatives, lam_max):
-    """Bit for bit: inside the range, beyond it, where the robust solver decides, where no polynomial fits (900 N)."""
+    """Bit for bit: inside the range, beyond it, where the general path decides, where no polynomial fits (900 N)."""
     model = model_of(name)
     loads = [*path_of_loads(20), *NOT_A_FORCE, *TOO_MUCH, (500.0, 40.0), (480.0, 500.0), (0.0, 0.0), (300.0, 0.0)]
 

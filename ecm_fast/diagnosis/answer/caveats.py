@@ -16,7 +16,7 @@ from ..results.findings import Claim
 from ..search.fit import Fit
 from ..search.selection import Selection
 
-__all__ = ["alarms", "correlation_caveats", "size_caveats", "stiffness_caveats"]
+__all__ = ["alarms", "correlation_caveats", "mesh_caveats", "size_caveats", "stiffness_caveats"]
 
 _LOOSE = 0.15
 """Standard deviation, in shares of the value, beyond which a stiffness is hardly fixed."""
@@ -29,6 +29,16 @@ _TOGETHER = 0.95
 _ALARM = 3.0  # standard deviations: one alarm in 370 by chance
 _SHARE = (0.2, 0.45)
 """Where the shear over the axial stiffness of an incompressible solid section lies, (5/6 or 1)/3 with some room."""
+
+
+def mesh_caveats(unresolved: int) -> tuple[str, ...]:
+    """Return a line where the discretization of some rows is not fine enough for their noise.
+
+    unresolved : how many rows, see `rows.common_mesh`
+    """
+    if not unresolved:
+        return ()
+    return (f"the discretization error of {unresolved} rows exceeds a tenth of their noise: what is named may be that",)
 
 
 def size_caveats(claims: Iterable[Claim], mechanism: Mechanism) -> tuple[str, ...]:

@@ -1,6 +1,5 @@
 """Discrimination between rival explanations: their separation, and the gain of each further load."""
 
-import functools
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -11,12 +10,11 @@ from numpy.typing import NDArray
 
 from ...data.measurements import Measurements
 from ...identification.identify import fit_parameters
-from ...identification.rows import DECLARED, FitRows, FitSet, Noise, State
+from ...identification.rows import DECLARED, FitRows, FitSet, Noise, State, common_mesh
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find, index
 from ...mechanism.vector import pack
-from ...mesh.discretization import Discretization
 from ..results.next_loads import ENOUGH, NextLoads, Suggestion
 from .load_pool import Pool
 from .rivals import STIFFNESSES, Rival
@@ -91,7 +89,8 @@ class DiscriminationDesign:
         self, told: Sequence[Measurements], mechanism: Mechanism, free: tuple[str, ...]
     ) -> tuple[Array, Array, Array]:
         """Return c (n,), b (n, p) and G (n, p, p) of what one explanation says and another one fits."""
-        rows = FitRows([FitSet(mechanism, part) for part in told], free, _mesh())
+        sets = [FitSet(mechanism, part) for part in told]
+        rows = FitRows(sets, free, common_mesh(sets)[0])
         state = rows.at(pack(mechanism)[rows.places])
         used = rows.wanted & state.stable[:, None]
         noise = Noise(np.tile(self.sigma, (rows.n, 1)), np.full(rows.n, self.force), np.full((rows.n, 3), DECLARED))
@@ -202,7 +201,8 @@ def _stiffness(true: Rival, rival: Rival) -> dict[str, float]:
 
 
 def _at(mechanism: Mechanism, free: tuple[str, ...], data: Sequence[Measurements]) -> State:
-    rows = FitRows([FitSet(mechanism, part) for part in data], free, _mesh())
+    sets = [FitSet(mechanism, part) for part in data]
+    rows = FitRows(sets, free, common_mesh(sets)[0])
     return rows.at(pack(mechanism)[rows.places])
 
 
@@ -234,8 +234,3 @@ def _confusion(squared: Array) -> Array:
     lowest = squared.min(axis=0)
     total: Array = np.log(np.exp(-0.5 * (squared - lowest)).sum(axis=0)) - 0.5 * lowest
     return total
-
-
-@functools.cache
-def _mesh() -> Discretization:
-    return Discretization.of(1, 5)

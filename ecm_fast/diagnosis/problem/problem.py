@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 
 from ...data.measurements import Measurements
 from ...errors import InputError
-from ...identification.rows import FitRows, FitSet, Noise, State, prior_std
+from ...identification.rows import FitRows, FitSet, Noise, State, common_mesh, prior_std
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find, index
 from ...mechanism.vector import pack
-from ...mesh.discretization import Discretization
 from ..statistics.priors import ROUGHLY, Priors
 from ..statistics.robust_noise import RowOrder
 from .candidates import EffectCandidate
@@ -69,13 +68,14 @@ class Problem:
         progress: Progress | None = None,
     ) -> None:
         self.mechanism, self.data, self.candidates = mechanism, tuple(data), tuple(candidates)
-        self.force_sigma, self.mesh, self.drift = force_sigma, Discretization.of(1, 5), DRIFT
+        self.force_sigma, self.drift = force_sigma, DRIFT
         self.progress = progress or Progress()
         self.keys = (*STIFFNESS_KEYS, *(key for key in uncertain if key not in STIFFNESS_KEYS))
         self.prior = self._priors(uncertain, priors)
         sizes = (effect.size for effect in CATALOGUE.values())
         self.tolerances = {size.key: size.tolerance for size in sizes if size.tolerance and size.key not in self.keys}
         self.sets = [FitSet(mechanism, part) for part in data]
+        self.mesh, self.unresolved = common_mesh(self.sets)
         self.par = pack(mechanism)
         self.rows = self.solver(())
         self.wanted = self.rows.wanted

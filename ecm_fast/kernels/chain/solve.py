@@ -168,7 +168,7 @@ def solve_chain(con, lam, wrench, last2, state, x, z, theta, status):
     con : constants, see `chain_constants.condense_chain`
     lam : (n, 2), wrench : (n, 3) or (1, 3), last2 : largest squared last step
     state : (state_size,)   work space
-    x, z, theta, status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
+    x, z, theta, status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the general path must decide
     """
     last_wrench = wrench.shape[0] - 1
     state[L_GRAVITY], state[L_PRESTRAIN] = 1.0, 1.0

@@ -47,7 +47,17 @@ from .formulation import constants_size, nodes_of, state_size, unjudged
 from .initial_guess import N_GUESS, recall
 from .physics import forces
 
-__all__ = ["CONSTANT", "MOST_STEPS", "hand_over", "memory_size", "pieces", "pulls", "rescue", "trail_size", "unfold"]
+__all__ = [
+    "CONSTANT",
+    "MOST_STEPS",
+    "general_step",
+    "hand_over",
+    "memory_size",
+    "pieces",
+    "pulls",
+    "trail_size",
+    "unfold",
+]
 
 # parts of the memory that no step changes
 CONSTANT = ("settings", "con", "coefficients", "tables", "slopes", "stations", "tip", "start")
@@ -128,7 +138,9 @@ def hand_over(con, state, before, tables, slopes, order, loads, trail):
 
 
 @kernel
-def rescue(tables, stations, tip, start, trail, loads, work, out, compliance, jacobian, afresh, most, lam_l, lam_r):
+def general_step(
+    tables, stations, tip, start, trail, loads, work, out, compliance, jacobian, afresh, most, lam_l, lam_r
+):
     """Take the step on the general path, from its last equilibrium `trail` or, `afresh`, from that without forces.
 
     start, trail : (trail_size,)   loads and nodes of an equilibrium; of `start` without tendon forces

@@ -28,6 +28,7 @@ from .._jit import copy, kernel, step_kernel
 from ..layout import (
     C_INV_FORCE2,
     C_INV_LENGTH2,
+    C_ROUGH,
     C_SHIFT,
     C_STATION,
     C_STRETCH,
@@ -40,6 +41,7 @@ from ..layout import (
     N_SECTION,
     NOT_CONVERGED,
     P_THETA,
+    R_DOUBT,
     R_EXTREME,
     R_FORCE_X,
     R_FORCE_Z,
@@ -63,6 +65,7 @@ from ..layout import (
     S_LOAD_X,
     S_LOAD_Z,
     S_OFFSET,
+    S_PLACE,
     S_WEIGHT,
     T_BENDING_FORCE,
     T_FURTHER,
@@ -114,6 +117,7 @@ def put_head(hooke, tip, theta0, stretch, con):
     copy(tip, con)
     con[C_THETA0], con[C_TIP], con[C_SHIFT] = theta0, theta0, SHIFT
     con[C_INV_LENGTH2], con[C_INV_FORCE2] = 1.0 / (length * length), (FORCE_SHARE / tip[T_BENDING_FORCE]) ** 2
+    con[C_ROUGH] = 0.0
     copy(stretch[1 if hooke > 0.5 else 0], con[C_STRETCH:])
 
 
@@ -121,6 +125,26 @@ def put_head(hooke, tip, theta0, stretch, con):
 def plain_section(station):
     """Whether the laws of a section are uncoupled, bending and shear linear: stretch follows from N, shear from Q."""
     return station[S_OFFSET] == 0.0 and station[S_FURTHER] == 0.0
+
+
+@kernel
+def _roughness(stations):
+    """Size of the highest two Legendre coefficients of the bending compliance along the beam, as a share of its mean.
+
+    stations : as in `condense`
+    """
+    p = stations.shape[0]
+    last, before, mean = 0.0, 0.0, 0.0
+    for g in range(p):
+        x = 2.0 * stations[g, S_PLACE] - 1.0
+        compliance = stations[g, S_WEIGHT] / stations[g, S_EI]
+        lower, value = 0.0, 1.0
+        for k in range(p - 1):
+            lower, value = value, ((2.0 * k + 1.0) * x * value - k * lower) / (k + 1.0)
+        mean += compliance
+        last += (2.0 * p - 1.0) * compliance * value
+        before += (2.0 * p - 3.0) * compliance * lower
+    return np.sqrt(last * last + before * before) / mean
 
 
 @kernel
@@ -161,6 +185,7 @@ def condense(stations, tip, q_rest, turn, slopes, stretch, con):
                     K[g * (g + 1) // 2 + h] += K_gh
         shares += point[7]
     con[C_TIP] = (1.0 - shares) * theta0
+    con[C_ROUGH] = _roughness(stations)
     return applies
 
 
@@ -213,7 +238,7 @@ def vouches(state, sr, j, last2):
 
     Every iterate must have been stable and inside the range of the polynomials, every step must have shrunk by half
     at least, and the squared size of the last one is at most `last2`. Where it does not vouch, that is no verdict:
-    the robust solver decides.
+    the general path decides.
     """
     converged, stable = state[sr * R_SIZE + j] <= last2, state[sr * R_PIVOT + j] > 0.0
     return converged and stable and state[sr * R_EXTREME + j] <= 1.0
@@ -231,8 +256,10 @@ def settled(state, last2):
 
 
 @kernel
-def collect(state, last2, x, z, theta, status):
-    """Read poses and verdicts off the first lanes, as many as there is room for."""
+def collect(state, last2, x, z, theta, status, doubt):
+    """Read poses, verdicts and bounds of the error off the first lanes, as many as there is room for."""
+    for j in range(x.shape[0]):
+        doubt[j] = state[LANES * R_DOUBT + j]
     for j in range(x.shape[0]):
         x[j], z[j], theta[j] = state[LANES * R_X + j], state[LANES * R_Z + j], state[LANES * R_THETA + j]
     size, pivot = state[LANES * R_SIZE : LANES * (R_SIZE + 1)], state[LANES * R_PIVOT : LANES * (R_PIVOT + 1)]

@@ -104,7 +104,7 @@ def section(con, cr, cl, state, sr, j, g):
     state[r + sr * P_XX] = c_N * c + s_Q * s
     state[r + sr * P_XZ] = s_Q * c - c_N * s
     state[r + sr * P_ZZ] = ws * (s * by_N) + wc * (c * by_Q)
-    # how near the polynomials are to the ends of their ranges; beyond 1 the robust solver takes over
+    # how near the polynomials are to the ends of their ranges; beyond 1 the general path takes over
     e = sr * R_EXTREME + j
     turned, strained, extreme = theta * theta * _PER_NEAR2, u * u, state[e]
     extreme = turned if turned > extreme else extreme

@@ -7,18 +7,47 @@ import functools
 import math
 from typing import Any
 
+import numpy as np
+
 from .._jit import array_at, by_first_type, call_kernel, kernel, step_kernel, wide
-from ..layout import CONVERGED, LANES, NOT_CONVERGED, R_EXTREME, R_LAM_L, R_LAM_R, R_THETA, R_X, R_Z
+from ..layout import (
+    CONVERGED,
+    LANES,
+    NOT_CONVERGED,
+    R_DOUBT,
+    R_EXTREME,
+    R_FX,
+    R_FZ,
+    R_LAM_L,
+    R_LAM_R,
+    R_TAU,
+    R_THETA,
+    R_X,
+    R_Z,
+)
 from ..prepare import prepare
 from ..unroll import at_each_point, function
-from .control_step import MOST_STEPS, hand_over, memory_size, pieces, pulls, rescue, unfold
+from .control_step import MOST_STEPS, general_step, hand_over, memory_size, pieces, pulls, unfold
 from .equations import written_out
-from .formulation import MAX_STEPS, collect, condense, nodes_of, put_load, settled, straighten, vouches
+from .formulation import (
+    MAX_STEPS,
+    collect,
+    condense,
+    constants_size,
+    nodes_of,
+    put_load,
+    settled,
+    state_size,
+    straighten,
+    vouches,
+)
 from .initial_guess import extrapolate, guess, lane_inside, lanes_inside, remember
 from .physics import plate, section
 
 __all__ = [
+    "cold_solve",
     "control_step",
+    "derivatives",
     "gauss_points",
     "solve_loads",
     "solve_mechanisms",
@@ -38,7 +67,7 @@ def _written_out(name: str) -> Any:
 
 
 _assemble, _tangent, _solve = _written_out("assemble"), _written_out("tangent"), _written_out("solve")
-_move, _tip_columns = _written_out("move"), _written_out("tip_columns")
+_move, _tip_columns, _doubt = _written_out("move"), _written_out("tip_columns"), _written_out("doubt")
 _sections = at_each_point(section)
 
 
@@ -85,15 +114,37 @@ def sweep_mechanisms(points, con, state):
     _sweep(points, con, LANES, 1, state)
 
 
+@step_kernel
+def _doubts(points, con, cr, own, state):
+    wide()
+    for j in range(LANES):
+        _doubt(points, con, cr, own * j, state, LANES, j)
+
+
 @kernel
-def solve_loads(points, con, coefficients, lam_max, lam, wrench, last2, state, x, z, theta, status):
+def lane_doubts(points, con, state):
+    """Bound the discretization error in every lane, after `sweep`: many loads, one mechanism."""
+    wide()
+    _doubts(points, con, 1, 0, state)
+
+
+@kernel
+def lane_doubts_mechanisms(points, con, state):
+    """Bound the discretization error in every lane, after `sweep_mechanisms`."""
+    wide()
+    _doubts(points, con, LANES, 1, state)
+
+
+@kernel
+def solve_loads(points, con, coefficients, lam_max, lam, wrench, last2, state, x, z, theta, status, doubt):
     """Solve load cases on one mechanism, LANES at a time.
 
     coefficients, lam_max : see `initial_guess.guess`, used where both tendon forces are at most `lam_max`; else, and
         for lam_max = 0 always, the beam starts straight
     lam : (n, 2), wrench : (n, 3) or (1, 3), last2 : largest squared last step
     state : (LANES * state_size,)   work space
-    x, z, theta, status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
+    x, z, theta, status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the general path must decide
+    doubt : (n,)   overwritten: a bound of the discretization error, see `equations.written_out`
     """
     order, n, last_wrench = len(points), lam.shape[0], wrench.shape[0] - 1
     for first in range(0, n, LANES):
@@ -111,14 +162,17 @@ def solve_loads(points, con, coefficients, lam_max, lam, wrench, last2, state, x
             sweep(points, con, state)
             if settled(state, last2):
                 break
+        lane_doubts(points, con, state)
         end = min(first + LANES, n)
-        collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
+        own = x[first:end], z[first:end], theta[first:end], status[first:end], doubt[first:end]
+        collect(state, last2, *own)
 
 
 @kernel
 def solve_mechanisms(
-    points, par, mesh, nodes, turn, slopes, stretch, lam, wrench, last2, system, con, lanes, state, x, z, theta, status
-):
+    points, par, mesh, nodes, turn, slopes, stretch, lam, wrench, last2, system, con, lanes, state,
+    x, z, theta, status, doubt,
+):  # fmt: skip
     """Solve cases that each have a mechanism of their own, from the straight beam, LANES at a time.
 
     par : (n, n_parameters)
@@ -143,8 +197,10 @@ def solve_mechanisms(
             sweep_mechanisms(points, lanes, state)
             if settled(state, last2):
                 break
+        lane_doubts_mechanisms(points, lanes, state)
         end = min(first + LANES, n)
-        collect(state, last2, x[first:end], z[first:end], theta[first:end], status[first:end])
+        own = x[first:end], z[first:end], theta[first:end], status[first:end], doubt[first:end]
+        collect(state, last2, *own)
 
 
 # One load case
@@ -163,12 +219,12 @@ def _step(points, con, state, keep):
 
 @kernel
 def _iterate(points, con, state, last2, keep):
-    """Take Newton steps until one vouches for the equilibrium; return whether one did."""
-    for _ in range(MAX_STEPS):
+    """Take Newton steps until one vouches for the equilibrium; return their number, 0 where none did."""
+    for i in range(MAX_STEPS):
         _step(points, con, state, keep)
         if vouches(state, 1, 0, last2):
-            return True
-    return False
+            return i + 1
+    return 0
 
 
 @kernel
@@ -179,7 +235,7 @@ def solve_nodes(
 
     par : (1 or n, n_parameters)   one mechanism for all, or one for each
     tables : (3, p, p + 1); the other arguments as in `solve_mechanisms`, of one lane
-    q : (n, 3 n_nodes), status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the robust solver must decide
+    q : (n, 3 n_nodes), status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the general path must decide
     """
     n, last_wrench = lam.shape[0], wrench.shape[0] - 1
     stations, tip, q_rest = system
@@ -190,9 +246,46 @@ def solve_nodes(
             applies = condense(stations, tip, q_rest, turn, slopes, stretch, con)
         put_load(state, 1, 0, lam[i], wrench[min(i, last_wrench)])
         straighten(con, 1, 0, state, 1, 0, len(points))
-        found = _iterate(points, con, state, last2, False) and applies
+        found = _iterate(points, con, state, last2, False) > 0 and applies
         status[i] = CONVERGED if found else NOT_CONVERGED
         nodes_of(con, state, tables, slopes, len(points), q[i])
+
+
+@functools.cache
+def cold_solve(order: int) -> Any:
+    """Return the solve of one load case from the straight beam, a kernel; see `control_step` for its arguments.
+
+    Arrays: the constants, the state, and the largest squared last step.
+    """
+    points = gauss_points(order)
+    n_con, n_state = constants_size(order), state_size(order)
+
+    @call_kernel
+    def solve(address, lam_l, lam_r, f_x, f_z, tau):
+        """Solve for two tendon forces and a dead wrench.
+
+        Returns x, z, theta, a bound of the discretization error, and the number of Newton steps: 0 where the general
+        path must decide.
+        """
+        memory = array_at(address, n_con + n_state + 1)
+        con, state = memory[:n_con], memory[n_con : n_con + n_state]
+        state[R_LAM_L], state[R_LAM_R] = lam_l, lam_r
+        state[R_FX], state[R_FZ], state[R_TAU] = f_x, f_z, tau
+        straighten(con, 1, 0, state, 1, 0, len(points))
+        steps = _iterate(points, con, state, memory[n_con + n_state], False)
+        _doubt(points, con, 1, 0, state, 1, 0)
+        return state[R_X], state[R_Z], state[R_THETA], state[R_DOUBT], steps
+
+    return solve
+
+
+@kernel
+def derivatives(points, con, state, compliance, jacobian):
+    """Derivatives of the pose by a wrench, (3, 3), and by the tendon forces, (3, 2), from a solved case's state."""
+    columns = np.empty(6)
+    _step(points, con, state, True)
+    _tip_columns(points, con, state, columns)
+    unfold(con, state, columns, compliance, jacobian)
 
 
 # The control step
@@ -204,14 +297,14 @@ def _follow(points, con, coefficients, settings, state, before, followed, known,
     followed[0] = 1.0
     if known:
         extrapolate(state, before, lam_l, lam_r, len(points))
-        if _iterate(points, con, state, last2, keep):
+        if _iterate(points, con, state, last2, keep) > 0:
             return True
     state[R_LAM_L], state[R_LAM_R] = lam_l, lam_r
     if lam_l <= lam_max and lam_r <= lam_max and lam_max > 0.0:
         guess(coefficients, lam_max, state, 1, 1, len(points))
     else:
         straighten(con, 1, 0, state, 1, 0, len(points))
-    if not _iterate(points, con, state, last2, keep):
+    if _iterate(points, con, state, last2, keep) == 0:
         return False
     followed[0] = 0.0
     remember(state, before, len(points))
@@ -261,6 +354,6 @@ def control_step(order: int) -> Any:
         if afresh:
             followed[0] = 0.0
         call = afresh, MOST_STEPS, lam_l, lam_r
-        return rescue(tables, stations, tip, start, trail, loads, work, out, compliance, jacobian, *call)
+        return general_step(tables, stations, tip, start, trail, loads, work, out, compliance, jacobian, *call)
 
     return advance

@@ -20,6 +20,7 @@ from ..equilibrium import Status
 from ..loads import MIN_TOLERANCE, last_step
 from .checks.checks import faults
 from .measuring_chain import MeasuringChain
+from .mesh_choice import mesh_for
 
 __all__ = ["Prediction", "predict"]
 
@@ -37,6 +38,7 @@ class Prediction:
     load_factor : (n,) how much of the load the stable branch carries, see `Equilibrium`
     data : the measurements
     mechanism : that was predicted
+    unresolved : (n,) where no discretization was fine enough for the noise, see `mesh_choice.mesh_for`
     """
 
     pose: Array
@@ -44,11 +46,14 @@ class Prediction:
     load_factor: Array
     data: Measurements
     mechanism: Mechanism
+    unresolved: NDArray[np.bool_]
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """What is wrong with the measured poses or loads, each with its cure, see `checks.check`."""
-        return tuple(map(str, faults(self.mechanism, self.data))) if self.data.measured.any() else ()
+        """Faults of the measured poses or loads with their cures, see `checks.check`, and rows that are unresolved."""
+        found = tuple(map(str, faults(self.mechanism, self.data))) if self.data.measured.any() else ()
+        rows = int(self.unresolved.sum())
+        return (*found, f"{rows} rows: the discretization error exceeds a tenth of the noise") if rows else found
 
     @property
     def residual(self) -> Array:
@@ -117,8 +122,8 @@ def predict(
     mechanism: Mechanism,
     data: Measurements,
     *,
-    elements: int | ArrayLike = 1,
-    order: int = 5,
+    elements: int | ArrayLike | None = None,
+    order: int | None = None,
     threads: int = 1,
 ) -> Prediction:
     """Predict what the instruments would read in every row.
@@ -127,13 +132,18 @@ def predict(
     ----------
     mechanism : what is built
     data : the loads of every row, and what was changed on the test bed; its poses are only compared
-    elements, order : the discretization, see `FiniteElementModel`
+    elements, order : the discretization, see `FiniteElementModel`; default one whose error is a tenth of the declared
+        noise, or 1e-6 rad and shares of the length
     threads : how many threads share the rows
 
     Raises
     ------
     InputError : a row's tilt or extra mass leaves the bounds of the parameter it adds to; names the row.
     """
-    chain = MeasuringChain(Discretization.of(elements, order, None), data)
-    pose, status, load_factor = chain.solve(pack(mechanism), last_step(MIN_TOLERANCE), threads)
-    return Prediction(pose, status, load_factor, data, mechanism)
+    par, excess = pack(mechanism), np.zeros(data.n)
+    if elements is None and order is None:
+        mesh, excess = mesh_for(par, data)
+    else:
+        mesh = Discretization.of(1 if elements is None else elements, order)
+    pose, status, load_factor = MeasuringChain(mesh, data).solve(par, last_step(MIN_TOLERANCE), threads)
+    return Prediction(pose, status, load_factor, data, mechanism, excess > 1.0)

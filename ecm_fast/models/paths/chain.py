@@ -1,5 +1,6 @@
 """The chain path: models with many elements, or with one that the condensed path does not take."""
 
+import functools
 import threading
 from dataclasses import replace
 
@@ -11,7 +12,7 @@ from ...kernels.chain.constants import condense_chain, constants_size
 from ...kernels.layout import CONVERGED, H_SIZE, INVALID_INPUT, N_LOADS
 from ...mesh.discretization import Discretization
 from .condensed import STRETCH, Columns, Guess
-from .general import StepCore, System, robust_stepper
+from .general import StepCore, System, general_stepper
 
 __all__ = ["Chain"]
 
@@ -45,17 +46,17 @@ class Chain:
 
     def solve(self, lam: Array, wrench: Array, last2: float, out: Columns, guess: Guess | None = None) -> None:
         """Solve tendon forces (n, 2) under dead wrenches (n, 3) or (1, 3), as `Condensation.solve` does."""
-        chain.solve_chain(self.con, lam, wrench, last2, self.new_state(), *out)
+        chain.solve_chain(self.con, lam, wrench, last2, self.new_state(), *out[:4])
 
     def fit_guess(self, lam_max: float, wrench: Array) -> Guess | None:
         """Return None: a chain always starts straight."""
         return None
 
     def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> StepCore:
-        """Return the control step; with derivatives it is the robust solver's, which has them."""
-        robust = robust_stepper(self.mesh, system, loads, lam_max != 0.0)
+        """Return the control step; with derivatives it is the general path's, which has them."""
+        general = general_stepper(self.mesh, system, loads, lam_max != 0.0)
         if derivatives:
-            return robust
+            return general
         con, state = self.con, self.new_state()
         state[:N_LOADS] = loads
         lock = threading.Lock()
@@ -66,6 +67,12 @@ class Chain:
                     state[H_SIZE] = np.inf  # nothing to follow
                 lam = float(lam_l), float(lam_r)
                 found: tuple[float, float, float, int] = chain.follow_chain(con, state, last2, *lam)
-                return found if found[3] in (CONVERGED, INVALID_INPUT) else robust.call(*lam)
+                return found if found[3] in (CONVERGED, INVALID_INPUT) else general.call(*lam)
 
-        return replace(robust, call=step, kept=(state, *robust.kept), lock=lock)
+        last = functools.partial(_last, state)
+        return replace(general, call=step, kept=(state, *general.kept), lock=lock, last=last)
+
+
+def _last(state: Array) -> tuple[Array, Array | None]:
+    """Return the loads of the last step, (N_LOADS,); a chain's nodes are not at hand."""
+    return state[:N_LOADS].copy(), None

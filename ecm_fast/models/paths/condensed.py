@@ -12,7 +12,23 @@ from ...kernels.condensed import formulation as condensed
 from ...kernels.condensed import initial_guess as start
 from ...kernels.condensed import step as kernels
 from ...kernels.condensed.axial_law import stretch_polynomials
-from ...kernels.layout import CONVERGED, L_FX, L_GRAVITY, LANES, N_STATION, N_TIP, NOT_CONVERGED, R_FX, R_FZ, R_TAU
+from ...kernels.layout import (
+    CONVERGED,
+    L_FX,
+    L_GRAVITY,
+    LANES,
+    N_STATION,
+    N_TIP,
+    NOT_CONVERGED,
+    R_EXTREME,
+    R_FX,
+    R_FZ,
+    R_LAM_L,
+    R_LAM_R,
+    R_PIVOT,
+    R_SIZE,
+    R_TAU,
+)
 from ...mesh.discretization import Discretization
 from .general import StepCore, System, without_forces
 
@@ -20,8 +36,8 @@ __all__ = ["Columns", "Condensation", "Guess", "columns", "solve_mechanisms", "s
 
 Array = NDArray[np.float64]
 ORDERS = (3, 4, 5, 6)
-Columns = tuple[Array, Array, Array, NDArray[np.int64]]
-"""x, z, theta, status of many cases."""
+Columns = tuple[Array, Array, Array, NDArray[np.int64], Array]
+"""x, z, theta, status and a bound of the discretization error of many cases."""
 Guess = tuple[Array, float]
 """Coefficients of `kernels.condensed.initial_guess.guess`, and up to which tendon force they hold."""
 # a fit that is farther off than this, in rad and lengths, is a poor place to start from
@@ -54,7 +70,7 @@ class Condensation:
         """Solve tendon forces (n, 2) under dead wrenches (n, 3) or (1, 3), see `kernels.condensed.step.solve_loads`.
 
         last2 : largest squared last step of Newton's method
-        out : x, z, theta, status, each (n,), overwritten
+        out : x, z, theta, status, bound of the error, each (n,), overwritten
         guess : what `fit_guess` returned for loads with this wrench; none: the beam starts straight
 
         Returns the state of the last lanes.
@@ -63,6 +79,22 @@ class Condensation:
         state = np.zeros(LANES * condensed.state_size(self.mesh.order))
         kernels.solve_loads(self._points, self.con, coefficients, lam_max, lam, wrench, last2, state, *out)
         return state
+
+    def nodes(self, state: Array) -> Array:
+        """Return all nodes, (3 n_nodes,), of a solved case's state."""
+        mesh, q = self.mesh, np.empty(3 * self.mesh.nodes.size)
+        condensed.nodes_of(self.con, state, mesh.tables, mesh.slopes, mesh.order, q)
+        return q
+
+    def derivatives(self, state: Array) -> tuple[Array, Array]:
+        """Return jacobian (3, 2) and compliance (3, 3) of a solved case's state."""
+        jacobian, compliance = np.empty((3, 2)), np.empty((3, 3))
+        kernels.derivatives(self._points, self.con, state.copy(), compliance, jacobian)
+        return jacobian, compliance
+
+    def cold(self, last2: float) -> "ColdSolve":
+        """Return the solve of one load case at a time."""
+        return ColdSolve(self, last2)
 
     def fit_guess(self, lam_max: float, wrench: Array) -> Guess | None:
         """Return polynomials for where a solve with tendon forces up to `lam_max` under `wrench` should start.
@@ -86,7 +118,7 @@ class Condensation:
     def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> StepCore:
         """Return the compiled control step, see `kernels.condensed.control_step`.
 
-        system : stations, tip, q_rest of the finite element model, for the robust solver
+        system : stations, tip, q_rest of the finite element model, for the general path
         lam_max : below 0: each step starts from the straight beam
         """
         order = self.mesh.order
@@ -110,8 +142,36 @@ class Condensation:
         step: Any = functools.partial(compiled_step(order), memory.ctypes.data)
         # the address is all that the compiled step knows of: the function must keep the memory alive
         step.memory = memory
+
+        def last() -> tuple[Array, Array | None]:
+            state, at = parts["state"], parts["loads"].copy()
+            at[:L_GRAVITY] = state[[R_LAM_L, R_LAM_R, R_FX, R_FZ, R_TAU]]
+            solved = state[R_SIZE] <= last2 and state[R_PIVOT] > 0.0 and state[R_EXTREME] <= 1.0
+            return at, self.nodes(state) if solved else None
+
         derivatives_of = parts["jacobian"], parts["compliance"]
-        return StepCore(step, kept, *derivatives_of, (memory, places), parts["followed"], threading.Lock())
+        return StepCore(step, kept, *derivatives_of, (memory, places), parts["followed"], threading.Lock(), last)
+
+
+class ColdSolve:
+    """Solves one load case at a time, each from the straight beam."""
+
+    def __init__(self, condensation: Condensation, last2: float) -> None:
+        con, order = condensation.con, condensation.mesh.order
+        self._size = con.size
+        self._memory = np.concatenate([con, np.zeros(condensed.state_size(order)), [last2]])
+        self._solve, self._address = compiled_cold_solve(order), self._memory.ctypes.data
+
+    def __call__(
+        self, lam_l: float, lam_r: float, f_x: float, f_z: float, tau: float
+    ) -> tuple[float, float, float, float, int]:
+        """Return x, z, theta, a bound of the error, and how many Newton steps it took; 0: no verdict."""
+        found: tuple[float, float, float, float, int] = self._solve(self._address, lam_l, lam_r, f_x, f_z, tau)
+        return found
+
+    def state(self) -> Array:
+        """Return a copy of the state of the case solved last, (state_size,)."""
+        return self._memory[self._size : -1].copy()
 
 
 @functools.cache
@@ -130,6 +190,15 @@ def permits(mesh: Discretization) -> bool:
 
 
 @functools.cache
+def compiled_cold_solve(order: int) -> Any:
+    """Return the solve of one load case of an order, compiled for numbers of any kind."""
+    solve = kernels.cold_solve(order)
+    solve.compile("(int64, float64, float64, float64, float64, float64)")
+    solve.disable_compile()
+    return solve
+
+
+@functools.cache
 def compiled_step(order: int) -> Any:
     """Return the control step of an order, compiled for numbers of any kind: it never compiles again in a loop."""
     advance = kernels.control_step(order)
@@ -139,8 +208,8 @@ def compiled_step(order: int) -> Any:
 
 
 def columns(n: int) -> Columns:
-    """Return room for x, z, theta and status of n cases, none of them solved."""
-    return np.empty(n), np.empty(n), np.empty(n), np.full(n, NOT_CONVERGED, dtype=np.int64)
+    """Return room for x, z, theta, status and bound of the error of n cases, none of them solved."""
+    return np.empty(n), np.empty(n), np.empty(n), np.full(n, NOT_CONVERGED, dtype=np.int64), np.full(n, np.nan)
 
 
 def solve_mechanisms(mesh: Discretization, par: Array, lam: Array, wrench: Array, last2: float, out: Columns) -> None:

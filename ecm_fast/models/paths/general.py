@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...kernels.condensed.control_step import rescue, trail_size
+from ...kernels.condensed.control_step import general_step, trail_size
 from ...kernels.general.newton import solve, solve_work_size
 from ...kernels.layout import CONVERGED, N_LOADS, N_OUT
 from ...mesh.discretization import Discretization
 
-__all__ = ["Step", "StepCore", "System", "robust_stepper", "without_forces"]
+__all__ = ["Step", "StepCore", "System", "general_stepper", "without_forces"]
 
 Array = NDArray[np.float64]
 Step = Callable[[float, float], tuple[float, float, float, int]]
@@ -33,6 +33,7 @@ class StepCore:
     system : where the function takes its constants from, by name: an array and where in it each part begins
     followed : (1,) 1 where the last answer may be owed to the calls before, 0 where it depends on its arguments alone
     lock : held by calls that let go of the interpreter's lock
+    last : returns the loads of the last call, (N_LOADS,), and its nodes, or None where these are not at hand
     """
 
     call: Callable[..., tuple[float, float, float, int]]
@@ -42,10 +43,11 @@ class StepCore:
     system: tuple[Array, dict[str, int]]
     followed: Array
     lock: threading.Lock
+    last: Callable[[], tuple[Array, Array | None]]
 
 
-def robust_stepper(mesh: Discretization, system: System, loads: Array, afresh: bool) -> StepCore:
-    """Return the control step of the robust solver.
+def general_stepper(mesh: Discretization, system: System, loads: Array, afresh: bool) -> StepCore:
+    """Return the control step of the general path.
 
     loads : (N_LOADS,)   the dead wrench, which stays
     afresh : each step starts from the straight beam, not from the step before
@@ -62,13 +64,16 @@ def robust_stepper(mesh: Discretization, system: System, loads: Array, afresh: b
     def step(lam_l: float, lam_r: float) -> tuple[float, float, float, int]:
         lam = float(lam_l), float(lam_r)
         with lock:
-            result: tuple[float, float, float, int] = rescue(
+            result: tuple[float, float, float, int] = general_step(
                 mesh.tables, stations, tip, start, trail, loads, work, out, compliance, jacobian, afresh, np.inf, *lam
             )
         return result
 
+    def last() -> tuple[Array, Array | None]:
+        return loads.copy(), None
+
     kept = trail, loads, jacobian, compliance
-    return StepCore(step, kept, jacobian, compliance, (constants, places), followed, lock)
+    return StepCore(step, kept, jacobian, compliance, (constants, places), followed, lock, last)
 
 
 def without_forces(mesh: Discretization, system: System, loads: Array) -> Array:

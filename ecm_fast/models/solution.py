@@ -1,0 +1,99 @@
+"""What can be told of a solved case when it is asked for: nodes, derivatives, discretization error."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernels.general.sensitivity import tip_derivatives
+from ..kernels.layout import R_FX, R_FZ, R_LAM_L, R_LAM_R, R_TAU
+from ..kernels.prepare import prepare
+from ..mechanism.vector import check_tail
+from ..mesh.discretization import Discretization
+from .paths.condensed import Condensation
+from .refinement import Solutions, errors, work_arrays
+
+__all__ = ["CondensedSolution", "NodalSolution"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class NodalSolution:
+    """One solved case by all its nodes, see `equilibrium.Solution`.
+
+    Attributes
+    ----------
+    mesh : the discretization
+    par : (n_parameters,) the mechanism
+    loads : (N_LOADS,) those at which `q` is in equilibrium
+    q : (3 n_nodes,)
+    """
+
+    mesh: Discretization
+    par: Array
+    loads: Array
+    q: Array
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (self.mesh, self.par, self.loads, self.q)
+
+    def nodes(self) -> Array:
+        """Return all nodes, (3 n_nodes,)."""
+        return self.q
+
+    def derivatives(self) -> tuple[Array, Array]:
+        """Return jacobian (3, 2) and compliance (3, 3)."""
+        mesh, (stations, tip, q_rest, step, work) = self.mesh, work_arrays(self.mesh)
+        jacobian, compliance = np.empty((3, 2)), np.empty((3, 3))
+        prepare(self.par, mesh.mesh, mesh.nodes, stations, tip, q_rest)
+        tip_derivatives(mesh.tables, stations, tip, self.loads, self.q, work, step, compliance, jacobian)
+        return jacobian, compliance
+
+    def error(self) -> float:
+        """Return the estimated discretization error of the tip pose."""
+        found = Solutions(self.q[None], np.zeros(1, dtype=np.int64), self.q[None, -3:], np.ones(1))
+        return float(errors(self.mesh, self.par[None], self.loads[None], found)[0])
+
+
+@dataclass(frozen=True, eq=False)
+class CondensedSolution:
+    """One case solved on the condensed path, see `equilibrium.Solution`.
+
+    Attributes
+    ----------
+    condensation : the path
+    par : (n_parameters,) the mechanism
+    state : (state_size,) what the kernels leave of the case, see `kernels.layout`
+    """
+
+    condensation: Condensation
+    par: Array
+    state: Array
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return self._nodal().__reduce__()
+
+    def nodes(self) -> Array:
+        """Return all nodes, (3 n_nodes,)."""
+        return self.condensation.nodes(self.state)
+
+    def derivatives(self) -> tuple[Array, Array]:
+        """Return jacobian (3, 2) and compliance (3, 3)."""
+        return self.condensation.derivatives(self.state)
+
+    def error(self) -> float:
+        """Return the estimated discretization error of the tip pose."""
+        return self._nodal().error()
+
+    def _nodal(self) -> NodalSolution:
+        """Return the same solution by its nodes."""
+        loads = np.append(self.state[[R_LAM_L, R_LAM_R, R_FX, R_FZ, R_TAU]], [1.0, 1.0])
+        return NodalSolution(self.condensation.mesh, self.par, loads, self.nodes())
+
+
+def _restored(mesh: Discretization, par: Array, loads: Array, q: Array) -> NodalSolution:
+    """Return a solution from a pickle, or raise where its effects of the user's own are not those of this process."""
+    check_tail(par[None])
+    return NodalSolution(mesh, par, loads, q)
