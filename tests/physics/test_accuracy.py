@@ -139,7 +139,7 @@ def test_nodes_and_derivatives_recovered_from_the_condensed_path():
     """The general path on the same discretization: nodes, jacobian and compliance to the size of rounding."""
     model = FiniteElementModel(Mechanism.preset("slender"))
     eq = model.solve((40.0, 10.0))
-    general = model._solve(np.array([40.0, 10.0, 0.0, 0.0, 0.0, 1.0]), None)
+    general = model._solve(np.array([40.0, 10.0, 0.0, 0.0, 0.0, 1.0, 1.0]), None)
     assert np.abs(eq.q - general.q).max() < 1e-11
     assert np.abs(eq.jacobian / general.jacobian - 1.0).max() < 1e-7
     assert np.abs(eq.compliance - general.compliance).max() < 1e-9 * np.abs(general.compliance).max()
