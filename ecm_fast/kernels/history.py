@@ -161,7 +161,7 @@ def follow(record, theta, lengths, rest, par, past, places, rows, travel):
             k += 1
 
 
-# The same for a control step. As in `condensed.control_step`, everything lies in one array whose address is passed.
+# The same for a control step. As in `condensed.step_memory`, everything lies in one array whose address is passed.
 
 
 def row_pieces(n_par: int, n_stations: int, n_nodes: int, order: int) -> dict[str, tuple[int, tuple[int, ...]]]:

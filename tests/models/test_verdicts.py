@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 
 import ecm_fast as ecm
 from ecm_fast import FiniteElementModel, InputError, Mechanism, Status
-from ecm_fast.kernels.condensed.control_step import MOST_STEPS
+from ecm_fast.kernels.condensed.step_memory import MOST_STEPS
 from ecm_fast.kernels.layout import O_ITERATIONS
 from ecm_fast.mechanism.derived import limits
 from ecm_fast.mechanism.parameters import index

@@ -27,7 +27,6 @@ from ..layout import (
 )
 from ..prepare import prepare
 from ..unroll import at_each_point, function
-from .control_step import MOST_STEPS, general_step, hand_over, memory_size, pieces, pulls, unfold
 from .equations import written_out
 from .formulation import (
     MAX_STEPS,
@@ -43,6 +42,7 @@ from .formulation import (
 )
 from .initial_guess import extrapolate, guess, lane_inside, lanes_inside, remember
 from .physics import plate, section
+from .step_memory import MOST_STEPS, general_step, hand_over, memory_size, pieces, pulls, unfold
 
 __all__ = [
     "cold_solve",

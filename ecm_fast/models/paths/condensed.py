@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...kernels.condensed import control_step as stepper
 from ...kernels.condensed import formulation as condensed
 from ...kernels.condensed import initial_guess as start
 from ...kernels.condensed import step as kernels
+from ...kernels.condensed import step_memory as stepper
 from ...kernels.condensed.axial_law import stretch_polynomials
 from ...kernels.layout import (
     CONVERGED,
@@ -116,7 +116,7 @@ class Condensation:
         return np.ascontiguousarray(coefficients.T), lam_max
 
     def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> StepCore:
-        """Return the compiled control step, see `kernels.condensed.control_step`.
+        """Return the compiled control step, see `kernels.condensed.step.control_step`.
 
         system : stations, tip, q_rest of the finite element model, for the general path
         lam_max : below 0: each step starts from the straight beam

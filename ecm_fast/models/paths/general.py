@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...kernels.condensed.control_step import general_step, trail_size
+from ...kernels.condensed.step_memory import general_step, trail_size
 from ...kernels.general.newton import solve, solve_work_size
 from ...kernels.layout import CONVERGED, N_LOADS, N_OUT
 from ...mesh.discretization import Discretization
