@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, real, shown
 from ..kernels.general.newton import solve
-from ..kernels.layout import L_GRAVITY, N_OUT, O_FACTOR, O_ITERATIONS, O_PRELOAD, O_THETA, O_X, O_Z
+from ..kernels.layout import L_FX, L_GRAVITY, N_OUT, O_FACTOR, O_ITERATIONS, O_PRELOAD, O_THETA, O_X, O_Z
 from ..kernels.prepare import prepare
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.vector import pack
@@ -21,7 +21,7 @@ from .batch import fast_path, solve_cases
 from .equilibrium import BatchResult, Equilibrium, Status
 from .instruments.history import path_effects
 from .inverse import Inverse
-from .loads import MIN_TOLERANCE, finite_load, last_step, many_loads, one_load, parameter_rows
+from .loads import MIN_TOLERANCE, finite_load, last_step, many_loads, one_load, parameter_rows, pushing
 from .path_state import PathChoice, PathState, check_order
 from .paths.chain import Chain
 from .paths.condensed import ColdSolve, Condensation
@@ -181,6 +181,11 @@ class FiniteElementModel:
             before, verdict = verdict, eq.verdict
         return eq
 
+    @cached_property
+    def _cells_are_off(self) -> bool:
+        """Whether a force cell reads another force than acts, so that a reading may mean a tendon that pushes."""
+        return pushing(self._par[None], np.zeros((1, 2))) is not None
+
     @property
     def _cold(self) -> ColdSolve | None:
         """The condensed path's solve of one load case, of the calling thread; None where it does not apply."""
@@ -193,7 +198,7 @@ class FiniteElementModel:
     def _solve_condensed(self, loads: tuple[float, ...]) -> tuple[Equilibrium | None, bool]:
         """Solve one load case on the condensed path, and say whether it surely keeps the accuracy; None: no verdict."""
         cold = self._cold
-        if cold is None:
+        if cold is None or (self._cells_are_off and pushing(self._par[None], np.array([loads[:L_FX]]))):
             return None, False
         x, z, theta, bound, steps = cold(*loads[:L_GRAVITY])
         if steps == 0:

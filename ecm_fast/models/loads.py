@@ -117,8 +117,9 @@ def pushing(par: Array, lam: Array) -> NDArray[np.bool_] | None:
     def of(name: str) -> Array:
         return par[:, index(f"effects.{name}"), None]
 
-    gain = 1.0 + of("force_gain") + side * of("force_gain_asymmetry")
-    zero = of("force_zero") + side * of("force_zero_asymmetry")
-    bent = of("force_nonlinearity") / FULL_SCALE * lam * lam
-    force: Array = gain * lam + zero + bent + of("force_crosstalk") * lam[:, ::-1]
+    with np.errstate(all="ignore"):  # a load out of all proportion overflows; the solver refuses it
+        gain = 1.0 + of("force_gain") + side * of("force_gain_asymmetry")
+        zero = of("force_zero") + side * of("force_zero_asymmetry")
+        bent = of("force_nonlinearity") / FULL_SCALE * lam * lam
+        force: Array = gain * lam + zero + bent + of("force_crosstalk") * lam[:, ::-1]
     return np.asarray(np.less(force.min(axis=1), -LARGEST_PUSH))
