@@ -1,13 +1,14 @@
 """The controls of the live page: loads, main parameters and every effect of the catalogue."""
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ...errors import InputError, did_you_mean, key_shown, shown
 from ...mechanism.catalogue import CATALOGUE
+from ...mechanism.derived import limits
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import PARAMETERS, find
 from ...mechanism.quantity import Quantity
@@ -62,7 +63,8 @@ class Control:
 
 def controls(neck: Mechanism) -> list[Control]:
     """Return the sliders for a mechanism, which stands in their middle."""
-    values = dict(zip((entry.key for entry in PARAMETERS), pack(neck).tolist(), strict=True))
+    par = pack(neck)
+    values = dict(zip((entry.key for entry in PARAMETERS), par.tolist(), strict=True))
     sliders = [
         Control("lam_l", "left tendon force", "N", "loads", 0.0, LAM_MAX, 40.0),
         Control("lam_r", "right tendon force", "N", "loads", 0.0, LAM_MAX, 10.0),
@@ -70,8 +72,14 @@ def controls(neck: Mechanism) -> list[Control]:
         Control("fz", "load along z", "N", "loads", -30.0, 30.0, 0.0),
         Control("tau", "moment", "N m", "loads", -1.0, 1.0, 0.0),
     ]
-    sliders += [_main(find(key), values[key]) for key in _MAIN]
-    return sliders + [_effect(entry, values[entry.key]) for effect in CATALOGUE.values() for entry in effect]
+    numbers = [_main(find(key), values[key]) for key in _MAIN]
+    numbers += [_effect(entry, values[entry.key]) for effect in CATALOGUE.values() for entry in effect]
+    return sliders + [_possible(control, limits(control.name, par)) for control in numbers]
+
+
+def _possible(control: Control, ends: tuple[float, float]) -> Control:
+    """Return a slider that stays within what the mechanism's other numbers leave possible."""
+    return replace(control, low=max(control.low, ends[0]), high=min(control.high, ends[1]))
 
 
 def _main(entry: Quantity, value: float) -> Control:
