@@ -204,9 +204,9 @@ class _Fit:
         """Return how good a fit is: whether it settled, how many readings it counts, how near it comes to them."""
         sigma = np.where(np.isnan(self.rows.declared), CAMERA_SIGMA, self.rows.declared)
         place, center, spread = self.prior[:, 0].astype(int), self.prior[:, 1], self.prior[:, 2]
-        off = self.loss.total((fit.residual / sigma)[fit.used]) + float(
-            (((fit.values[place] - center) / spread) ** 2).sum()
-        )
+        with np.errstate(over="ignore"):  # a noise declared as next to nothing: infinitely far off
+            off = self.loss.total((fit.residual / sigma)[fit.used])
+            off += float((((fit.values[place] - center) / spread) ** 2).sum())
         return fit.settled, int(fit.used.sum()), -off
 
     def run(self, start: Array) -> Identification:
