@@ -13,11 +13,11 @@ from typing import Any
 
 import numba
 from llvmlite import binding, ir
-from numba.core import cgutils, types
+from numba.core import cgutils, event, types
 from numba.extending import intrinsic, overload, register_jitable
 
-from . import _notice  # noqa: F401  registers itself with numba
 from ._cache import KernelCache
+from ._notice import CompileNotice
 
 __all__ = [
     "array_at",
@@ -32,6 +32,8 @@ __all__ = [
     "wide",
 ]
 
+_notices: Any = event
+_notices.register("numba:compile", CompileNotice())
 _FASTMATH = {"contract", "nsz", "arcp", "reassoc"}
 
 

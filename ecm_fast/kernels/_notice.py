@@ -53,6 +53,3 @@ class CompileNotice(_events.Listener):  # type: ignore[misc]
         if not CompileNotice.given:
             CompileNotice.given = True
             _log.warning(_TEXT)
-
-
-_events.register("numba:compile", CompileNotice())

@@ -1,4 +1,4 @@
-"""What can be told of a solved case when it is asked for: nodes, derivatives, discretization error."""
+"""Solutions of single solves: nodes, derivatives and discretization error, computed when asked for."""
 
 from dataclasses import dataclass
 from typing import Any

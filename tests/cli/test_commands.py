@@ -212,7 +212,7 @@ def test_predict_with_a_row_that_fails_writes_the_others(run: Run) -> None:
     ended = run("predict", "run.csv", "--json", "--order", "5")
     assert ended.code == 3
     assert ended.json["status"]["tendon_zero_length"] == 1
-    assert ended.err.startswith("ecm-fast: 1 of 3 rows did not converge; run.csv: line 3: no equilibrium: at 0.11")
+    assert ended.err.startswith("ecm-fast: 1 of 3 rows did not converge; run.csv: line 3: no equilibrium: at 0.10")
     assert ended.err.endswith(f"ecm-fast: wrote {Path('out/predicted.csv')}\n")
     assert len(Path("out/predicted.csv").read_text().splitlines()) == 4
 

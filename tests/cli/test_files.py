@@ -12,7 +12,7 @@ from ecm_fast.errors import InputError
 from ecm_fast.files import MOST_BYTES, inputs_kept, read_whole, write_whole
 
 RUN = "lam_l_N,lam_r_N,x_mm,z_mm,theta_rad\n" + "".join(f"{i},{2 * i % 7},107,{i / 9},0\n" for i in range(12))
-NECK = "# my own remark\n[beam]\nEI = 2.9\n"
+NECK = "# my own remark\npreset = 'slender'\n[beam]\nEI = 2.9\n"
 
 
 @pytest.mark.parametrize(

@@ -97,7 +97,7 @@ def test_far_outside_the_batch_is_the_general_path(preset, load):
         lam = rng.uniform(0.0, 900.0, (400, 2))
     else:
         wrench = rng.uniform(4.0 * BOX[0], 4.0 * BOX[1], (400, 3))
-    model = FiniteElementModel(Mechanism.preset(preset))
+    model = FiniteElementModel(Mechanism.preset(preset), order=5)
     batch = model.solve_batch(lam, wrench, tolerance=1e-13)
     expected = general(model, lam, wrench)
     assert batch.status.tolist() == [eq.status for eq in expected]

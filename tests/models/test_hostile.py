@@ -398,12 +398,14 @@ def test_a_claimed_equilibrium_is_one(case: Any, mesh: tuple[int, int]) -> None:
     answered(eq.pose, eq.status)
     if eq.converged:
         check_equilibrium(model, lam, wrench, eq)
-    batch, (x, z, theta, status) = model.solve_batch([lam], [wrench]), model.stepper(wrench)(*lam)
+    batch, step = model.solve_batch([lam], [wrench]), model.stepper(wrench)
+    x, z, theta, status = step(*lam)
     assert batch.status[0] == eq.status
-    assert status in (eq.status, Status.NOT_CONVERGED)  # what one call of a step does not finish
+    # NOT_CONVERGED: what one call of a step does not finish; `followed`: it may be on a branch of its own
+    assert status in (eq.status, Status.NOT_CONVERGED) or step.followed
     size = max(neck.beam.length, abs(eq.x), abs(eq.z))
     # a neck that its own weight buckles has mirror images, of which a step may have followed the other one
-    step_counts = status == Status.CONVERGED and eq.preload_factor == 1.0
+    step_counts = status == Status.CONVERGED and eq.preload_factor == 1.0 and not step.followed
     for pose in (batch.pose[0], *([np.array([x, z, theta])] if step_counts else [])):
         assert np.allclose(pose / [size, size, 1.0], eq.pose / [size, size, 1.0], rtol=0.0, atol=1e-7, equal_nan=True)
 
