@@ -80,7 +80,7 @@ def refuse_input(path: str | os.PathLike[str]) -> None:
                          "write to another folder or name")  # fmt: skip
 
 
-def write_whole(path: str | os.PathLike[str], content: str | bytes | Sequence[bytes | memoryview]) -> Path:
+def write_whole(path: str | os.PathLike[str], content: str | bytes | memoryview | Sequence[bytes | memoryview]) -> Path:
     """Write `content`, or its parts, to a temporary file beside `path`, then rename it over `path`.
 
     A reader sees the old file or the new one, never a half, and after a power failure, too: the content is on disk
@@ -94,7 +94,7 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes | Sequence[by
     place = Path(path)
     refuse_input(place)
     whole = content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content
-    parts = [whole] if isinstance(whole, bytes) else whole
+    parts = [whole] if isinstance(whole, (bytes, memoryview)) else whole
     temporary = None
     try:
         target = Path(os.path.realpath(place))  # a link stays a link
