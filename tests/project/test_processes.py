@@ -46,12 +46,13 @@ def files(cache: Path) -> dict[str, int]:
 def test_ten_processes_begun_at_once_answer_the_same(tmp_path):
     """Contract: one answer, and an eleventh process that compiles nothing."""
     running = [start(MODEL, tmp_path) for _ in range(10)]
-    answers = [answer(process) for process in running]
+    # those that compile long enough say so on stderr
+    answers = [answer(process)[0] for process in running]
     assert answers == [answers[0]] * 10
     # the eleventh finds everything compiled
     before = files(tmp_path)
     assert any("prepare" in name for name in before)
-    assert answer(start(MODEL, tmp_path)) == answers[0]
+    assert answer(start(MODEL, tmp_path)) == (answers[0], "")
     assert files(tmp_path) == before
 
 
@@ -79,7 +80,8 @@ def test_a_second_process_compiles_nothing(tmp_path):
     again, taken, same = answer(start(EVERY_WAY, tmp_path))[0].split()
     assert int(again) == 0
     assert int(taken) > 0
-    assert same == answers
+    first, second = (np.frombuffer(bytes.fromhex(text)) for text in (answers, same))
+    np.testing.assert_allclose(second, first, rtol=1e-13, atol=1e-15)  # sums of arrays depend on where they lie
     assert files(tmp_path) == before
 
 
