@@ -93,8 +93,10 @@ CACHE_FOLDER = _cache_folder()
 
 
 @cache
-def _digest_of(file: str) -> str:
-    return hashlib.sha256("".join(linecache.getlines(file)).encode()).hexdigest()
+def _digest_of(file: str) -> str | None:
+    """Return a digest of a file's text; None where there is none to read."""
+    lines = linecache.getlines(file)
+    return hashlib.sha256("".join(lines).encode()).hexdigest() if lines else None
 
 
 class KernelCache:
@@ -113,10 +115,12 @@ class KernelCache:
     def __init__(self, function: Callable[..., Any]) -> None:
         self.cache_path = str(CACHE_FOLDER)
         self._function = function
+        # without its text a kernel cannot be told from another whose constants differ: it is never kept
+        self._kept = CACHE_FOLDER is not None and _digest_of(function.__code__.co_filename) is not None
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
         """Return what was compiled for a signature, or None."""
-        if CACHE_FOLDER is None:
+        if not self._kept:
             return None
         try:
             content = self._path(signature, target_context.codegen()).read_bytes()
@@ -132,7 +136,7 @@ class KernelCache:
     def save_overload(self, signature: Any, result: Any) -> None:
         """Keep what was just compiled for a signature."""
         KernelCache.compiled += 1
-        if CACHE_FOLDER is None or result.lifted or result.library.has_dynamic_globals:
+        if not self._kept or result.lifted or result.library.has_dynamic_globals:
             return
         content = _serialize.dumps(result._reduce())
         try:
