@@ -6,25 +6,32 @@ tip (T,)        everything that acts at the head plate (`T_*`)
 out (O,)        what a solve leaves (`O_*`)
 """
 
+from ..mechanism.body import MOST
+
 # fmt: off
 # status of a solve; up to UNSTABLE there is an equilibrium. `equilibrium.Status` says what each means for a user
 CONVERGED, UNSTABLE, NOT_CONVERGED, TENDON_ZERO_LENGTH, INVALID_INPUT, SECTION_UNSTABLE = range(6)
 
-# loads: tendon forces [N], dead wrench at Q [N, N, N m]; then what acts without them, 1 but for load stepping: share of
-# the weight, of the side force and of the zeros of the force cells, and share of what strains the beam (its curvature
-# as built and the user's laws)
-L_LAM_L, L_LAM_R, L_FX, L_FZ, L_TAU, L_GRAVITY, L_PRESTRAIN, N_LOADS = range(8)
+# loads: forces of the first two tendons [N], dead wrench at Q [N, N, N m]; then what acts without them, 1 but for load
+# stepping: share of the weight, of the side force and of the zeros of the force cells, and share of what strains the
+# beam (its curvature as built and the user's laws); then the forces of further tendons [N]
+L_LAM_L, L_LAM_R, L_FX, L_FZ, L_TAU, L_GRAVITY, L_PRESTRAIN, L_LAM_3 = range(8)
+N_TENDONS = MOST["tendon"]
+N_LOADS = L_LAM_3 + N_TENDONS - 2
 
 # stations: quadrature weight [m], 1/element length [1/m], EA, GA, EI, curvature as built [1/m],
 # neutral axis offset [m], axial law (0 neo-Hookean, 1 Hooke), dead load per length in x and z [N/m]; 1 where any of
 # what follows is there; sizes of the effects of the section's laws, see `effects.section`; place as a share of the
-# length, share of curvature as built and user's laws that is there (1; load stepping lowers it), number of the user's
-# laws or 0, and the values of the user's effects
+# length, number of the user's
+# laws or 0, and the values of the user's effects; then how many guided tendons there are, and for each the place of
+# its force among the loads, offset of the guide [m] and its slope [-], 1 + gain and zero [N] of its force cell
 (S_WEIGHT, S_INV_H, S_EA, S_GA, S_EI, S_KAPPA0, S_OFFSET, S_HOOKE, S_LOAD_X, S_LOAD_Z, S_FURTHER, S_CUBIC,
  S_AMPLITUDE, S_ONE_SIDED, S_BIMODULUS, S_NEO_HOOKEAN, S_MOONEY, S_OGDEN, S_SHEAR_CUBIC, S_SHEAR_COMPRESSION,
- S_PLACE, S_PRESTRAIN, S_LAW, S_USER) = range(24)
+ S_PLACE, S_LAW, S_USER) = range(23)
 N_USER = 8
-N_STATION = S_USER + N_USER
+S_GUIDES = S_USER + N_USER
+S_GUIDE, N_GUIDE = S_GUIDES + 1, 5
+N_STATION = S_GUIDE + N_GUIDE * N_TENDONS
 
 
 # tip: attachment of left and right tendon in the head frame [m], pulley centers [m], pulley radius at either tendon,
@@ -34,13 +41,16 @@ N_STATION = S_USER + N_USER
 # nonlinearity [1/N], crosstalk; side force [N], springs across [N/m] and against turning [N m/rad]; 1 where any of
 # what follows is there; stops on both sides and on one [N m/rad, rad], compliance of the plate's joint [rad/(N m)]
 # and of the clamp in x, z, theta [m/N, m/N, rad/(N m)], tilt of the clamp [rad]; number of the user's laws or 0, and
-# the values of the user's effects
+# the values of the user's effects; then how many chords there are beside the first two tendons, and for each the place
+# of its force among the loads, attachment and pulley center [m], radius with its sign [m], 1 + gain and zero [N]
 (T_ATTACH_LX, T_ATTACH_LZ, T_ATTACH_RX, T_ATTACH_RZ, T_PULLEY_LX, T_PULLEY_LZ, T_PULLEY_RX, T_PULLEY_RZ,
  T_REACH_L, T_REACH_R, T_COM_X, T_COM_Z, T_WEIGHT_X, T_WEIGHT_Z, T_LENGTH, T_BENDING_FORCE,
  T_TOLERANCE, T_GAIN_L, T_GAIN_R, T_ZERO_L, T_ZERO_R, T_NONLINEARITY, T_CROSSTALK, T_SIDE, T_SPRING_Z, T_SPRING_T,
  T_FURTHER, T_STOP, T_STOP_ANGLE, T_STOP_1, T_STOP_1_ANGLE, T_JOINT, T_CLAMP_X, T_CLAMP_Z, T_CLAMP_T, T_CLAMP_TILT,
  T_LAW, T_USER) = range(38)
-N_TIP = T_USER + N_USER
+N_PAIR_TIP = T_USER + N_USER
+T_CHORDS, T_CHORD, N_CHORD = N_PAIR_TIP, N_PAIR_TIP + 1, 8
+N_TIP = T_CHORD + N_CHORD * (N_TENDONS - 2)
 
 
 # past of a path, what a row inherits from the rows before it: lengths of both tendons [m] and tip angle [rad] at the
@@ -62,7 +72,7 @@ N_TIP = T_USER + N_USER
 # 1/GA, the couple of clamp and curvature as built [N m], share of its angle in the tip's), then the stiffness of the
 # angles [N m], lower triangle
 N_STRETCH, N_SLOPE, N_POINT = 13, 9, 8
-C_THETA0, C_TIP, C_INV_LENGTH2, C_INV_FORCE2, C_SHIFT, C_ROUGH, C_STRETCH = range(N_TIP, N_TIP + 7)
+C_THETA0, C_TIP, C_INV_LENGTH2, C_INV_FORCE2, C_SHIFT, C_ROUGH, C_STRETCH = range(N_PAIR_TIP, N_PAIR_TIP + 7)
 C_SLOPE = C_STRETCH + N_STRETCH
 C_STATION = C_SLOPE + N_SLOPE
 

@@ -6,11 +6,13 @@ the beam, weights, and every effect that only alters those. Such an effect costs
 
 import numpy as np
 
+from ..mechanism.body import ROUTES, TENDON
 from ..mechanism.catalogue import FULL_SCALE
-from ..mechanism.parameters import N_TAIL
+from ..mechanism.parameters import FIRST_SEGMENT, N_BUILT_IN, N_TAIL
 from ..mechanism.parameters import PLACES as P
 from . import layout as at
 from ._jit import kernel
+from .body import GUIDED, body_length, body_section, count_pieces, guide, has_pair, next_break, tendon_row
 from .trig import sincos
 from .user_laws import find_law
 
@@ -21,6 +23,9 @@ __all__ = ["prepare"]
 TOLERANCE, FORCE_TOLERANCE = 1e-9, 1e-7
 ROUNDING = 1e-9  # of lengths as shares of an element
 NONE = 1e-12  # what rounding may leave of a mass or a radius of 0
+TENDON_ROUTE, TENDON_PLATE, TENDON_PULLEY = TENDON["route"], TENDON["plate_x"], TENDON["pulley_x"]
+TENDON_RADIUS, TENDON_GAIN, TENDON_ZERO = TENDON["pulley_radius"], TENDON["gain"], TENDON["zero"]
+CHORD = ROUTES.index("chord")
 LEAST_COMPLIANCE = 0.05  # of a Gauss point beside a soft spot, as a share of what it has without
 
 
@@ -99,11 +104,11 @@ def _put_user(par, which, room):
 
     Returns whether any of these effects is there.
     """
-    own = par.shape[0] - N_TAIL - len(P)
+    own = par.shape[0] - N_TAIL - N_BUILT_IN
     room[0] = find_law(par[par.shape[0] - N_TAIL].real, which) if own > 0 else 0.0
     present = False
     for i in range(at.N_USER):
-        room[1 + i] = par[len(P) + i] if i < own else 0.0
+        room[1 + i] = par[N_BUILT_IN + i] if i < own else 0.0
         present = present or (i < own and room[1 + i] != 0.0 and (int(par[par.shape[0] - 1].real) >> i) % 2 == 1)
     return present and room[0] != 0.0
 
@@ -123,8 +128,7 @@ def _prepare_tendons(par, tip):
     tip[at.T_PULLEY_RX] = x - 0.5 * par[P.effects_pulley_height_asymmetry]
     tip[at.T_PULLEY_LZ], tip[at.T_PULLEY_RZ] = z + par[P.effects_pulley_shift], -z + par[P.effects_pulley_shift]
     # on the outer side: to the left of a tendon that runs down to the left pulley, to the right of one that runs up
-    radius, top = par[P.tendons_pulley_radius] + par[P.effects_pulley_radius], par[P.beam_length]
-    top += par[P.effects_beam_length]
+    radius, top = par[P.tendons_pulley_radius] + par[P.effects_pulley_radius], body_length(par)
     below_l = tip[at.T_PULLEY_LX].real <= (top + tip[at.T_ATTACH_LX]).real
     below_r = tip[at.T_PULLEY_RX].real <= (top + tip[at.T_ATTACH_RX]).real
     tip[at.T_REACH_L], tip[at.T_REACH_R] = -radius if below_l else radius, radius if below_r else -radius
@@ -138,10 +142,59 @@ def _prepare_tendons(par, tip):
 
 
 @kernel
+def _prepare_guides(par, s, length, station):
+    """Guided tendons at a place of the body."""
+    count = 0
+    for i in range(at.N_TENDONS):
+        row = tendon_row(par, i)
+        if int(row[TENDON_ROUTE].real) == GUIDED:
+            offset, slope, there = guide(row, s, length)
+            if there:
+                own = station[at.S_GUIDE + at.N_GUIDE * count :]
+                own[0], own[1], own[2] = float(i if i < 2 else at.L_LAM_3 + i - 2), offset, slope
+                own[3], own[4] = 1.0 + row[TENDON_GAIN], row[TENDON_ZERO]
+                count += 1
+    station[at.S_GUIDES] = float(count)
+
+
+@kernel
+def _prepare_chords(par, length, tip):
+    """Chords of named tendons: the first two stand where the pair would, and what is not there has no force."""
+    count = 0
+    tip[at.T_NONLINEARITY], tip[at.T_CROSSTALK] = 0.0, 0.0
+    for i in range(at.N_TENDONS):
+        row = tendon_row(par, i)
+        chord = int(row[TENDON_ROUTE].real) == CHORD
+        if i < 2:
+            tip[at.T_GAIN_L + i], tip[at.T_ZERO_L + i], tip[at.T_REACH_L + i] = 0.0, 0.0, 0.0
+            tip[at.T_ATTACH_LX + 2 * i], tip[at.T_ATTACH_LZ + 2 * i] = 0.0, 0.0
+            # out of the way: a direction without length would be none, and no number
+            tip[at.T_PULLEY_LX + 2 * i], tip[at.T_PULLEY_LZ + 2 * i] = -10.0 * length, 0.0
+        if not chord:
+            continue
+        a_x, a_z, radius = row[TENDON_PLATE], row[TENDON_PLATE + 1], row[TENDON_RADIUS]
+        # on the outer side, as in `_prepare_tendons`
+        below = row[TENDON_PULLEY].real <= (length + a_x).real
+        reach = -radius if below == (a_z.real >= 0.0) else radius
+        gain, zero = 1.0 + row[TENDON_GAIN], row[TENDON_ZERO]
+        if i < 2:
+            tip[at.T_ATTACH_LX + 2 * i], tip[at.T_ATTACH_LZ + 2 * i] = a_x, a_z
+            tip[at.T_PULLEY_LX + 2 * i], tip[at.T_PULLEY_LZ + 2 * i] = row[TENDON_PULLEY], row[TENDON_PULLEY + 1]
+            tip[at.T_REACH_L + i], tip[at.T_GAIN_L + i], tip[at.T_ZERO_L + i] = reach, gain, zero
+        else:
+            own = tip[at.T_CHORD + at.N_CHORD * count :]
+            own[0], own[1], own[2] = float(at.L_LAM_3 + i - 2), a_x, a_z
+            own[3], own[4], own[5] = row[TENDON_PULLEY], row[TENDON_PULLEY + 1], reach
+            own[6], own[7] = gain, zero
+            count += 1
+    tip[at.T_CHORDS] = float(count)
+
+
+@kernel
 def _sound(par, stations, tip):
     """Whether pulleys, force cells and sections can be built, see `mechanism.derived`."""
     sound = (par[P.tendons_pulley_radius] + par[P.effects_pulley_radius]).real > -NONE
-    sound = sound and tip[at.T_GAIN_L].real > 0.0 and tip[at.T_GAIN_R].real > 0.0
+    sound = sound and (not has_pair(par) or (tip[at.T_GAIN_L].real > 0.0 and tip[at.T_GAIN_R].real > 0.0))
     for i in range(stations.shape[0]):
         EA, GA, EI = stations[i, at.S_EA], stations[i, at.S_GA], stations[i, at.S_EI]
         sound = sound and EA.real > 0.0 and GA.real > 0.0 and EI.real > 0.0
@@ -174,35 +227,56 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
     """Constants of a solve for one parameter vector.
 
     par : (n_parameters,)    see `parameters.PARAMETERS`; real, or complex for the complex step
-    mesh : (n_stations, 3)   Gauss points as shares of the length: place, weight, 1/element length [-]
-    nodes : (n_nodes,)       places of the nodes as shares of the length [-]
+    mesh : (n_stations, 3)   Gauss points as shares of the length: place, weight, 1/element length [-]; of a body of
+        several pieces, see `body`, each has an equal share
+    nodes : (n_nodes,)       places of the nodes as such shares [-]
     stations : (n_stations, N_STATION), tip : (N_TIP,), q_rest : (3 n_nodes,)   overwritten
 
     What cannot be built gets a length of nan: no path finds an equilibrium, and `newton.solve` calls it invalid.
     """
-    sin_tilt, cos_tilt = sincos(par[P.effects_gravity_tilt])
+    sin_tilt, cos_tilt = sincos(par[P.gravity_tilt] + par[P.effects_gravity_tilt])
     gravity_x, gravity_z = -par[P.gravity_g] * cos_tilt, -par[P.gravity_g] * sin_tilt
-    length = par[P.beam_length] + par[P.effects_beam_length]
-    mass_per_length = par[P.beam_mass_per_length] + par[P.effects_beam_mass]
-    EA, GA, EI = par[P.beam_EA], par[P.beam_GA], par[P.beam_EI]
+    length, pieces = body_length(par), 1
+    pair, segmented = has_pair(par), par[FIRST_SEGMENT].real > 0.0
+    EA, GA, EI, mass_per_length = par[P.beam_EA], par[P.beam_GA], par[P.beam_EI], par[P.beam_mass_per_length]
+    pieces = count_pieces(par, length)
     half, points, begin = 0.5 * par[P.effects_soft_spot_width] / length, _points(mesh), 0.0
     lower, upper = par[P.effects_soft_spot_place] - half, par[P.effects_soft_spot_place] + half
+    piece, piece_begin, piece_end = 1, 0.0 * length, next_break(par, 0.0 * length, length)
+    stiffest, softest, lightest = 0.0, np.inf, np.inf
     for i in range(mesh.shape[0]):
-        station, place, scale = stations[i], mesh[i, 0], 2.0 * mesh[i, 2]
-        profile = _profile(par, place, scale * (place - begin) - 1.0, scale * (lower - begin) - 1.0,
-                           scale * (upper - begin) - 1.0, points, length)  # fmt: skip
+        station, on_mesh, scale = stations[i], mesh[i, 0], 2.0 * mesh[i, 2]
+        while on_mesh * pieces > piece and piece < pieces:
+            piece, piece_begin, piece_end = piece + 1, piece_end, next_break(par, piece_end, length)
+        stretched = (piece_end - piece_begin) * pieces  # length of the body by share of the mesh
+        s = piece_begin + (on_mesh - (piece - 1.0) / pieces) * stretched
+        place, begin_place = s / length, (s - (on_mesh - begin) * stretched) / length
+        by_place = scale * length / stretched
+        profile = _profile(par, place, scale * (on_mesh - begin) - 1.0, by_place * (lower - begin_place) - 1.0,
+                           by_place * (upper - begin_place) - 1.0, points, length)  # fmt: skip
         if (i + 1) % points == 0:
             begin += 1.0 / mesh[i, 2]
-        station[at.S_WEIGHT], station[at.S_INV_H] = mesh[i, 1] * length, mesh[i, 2] / length
+        station[at.S_WEIGHT], station[at.S_INV_H] = mesh[i, 1] * stretched, mesh[i, 2] / stretched
+        if segmented:
+            EA, GA, EI, mass_per_length = body_section(par, s)
+        mass = mass_per_length + par[P.effects_beam_mass]
+        stiffest = max(stiffest, max(EA.real, GA.real))
+        softest, lightest = min(softest, EI.real), min(lightest, mass.real)
         station[at.S_EA], station[at.S_GA], station[at.S_EI] = EA * profile, GA * profile, EI * profile
         gradient = par[P.effects_precurvature_gradient] * (2.0 * place - 1.0)
         station[at.S_KAPPA0] = par[P.effects_precurvature] + gradient
         station[at.S_OFFSET] = par[P.effects_neutral_axis_offset]
-        station[at.S_HOOKE], station[at.S_PLACE], station[at.S_PRESTRAIN] = par[P.beam_axial_law], place, 1.0
-        station[at.S_LOAD_X], station[at.S_LOAD_Z] = mass_per_length * gravity_x, mass_per_length * gravity_z
+        station[at.S_HOOKE], station[at.S_PLACE] = par[P.beam_axial_law], place
+        station[at.S_LOAD_X], station[at.S_LOAD_Z] = mass * gravity_x, mass * gravity_z
         _prepare_section(par, station)
+        station[at.S_GUIDES] = 0.0
+        if not pair:
+            _prepare_guides(par, s, length, station)
 
     _prepare_tendons(par, tip)
+    tip[at.T_CHORDS] = 0.0
+    if not pair:
+        _prepare_chords(par, length, tip)
     _prepare_ends(par, tip)
     tip[at.T_COM_X] = par[P.head_h] + par[P.effects_head_com_height]
     tip[at.T_COM_Z] = par[P.head_b] + par[P.effects_head_com_sideways]
@@ -212,14 +286,19 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
     # the verdict on stability needs the contact force to a small share of the bending stiffness, so where stretching
     # is stiff a Newton step must be smaller to be the last
     tip[at.T_BENDING_FORCE] = EI / (length * length)
-    stiff = max(EA.real, GA.real) / tip[at.T_BENDING_FORCE].real
+    stiff = stiffest * length.real * length.real / softest
     tip[at.T_TOLERANCE] = min(TOLERANCE, FORCE_TOLERANCE / stiff)
 
-    if not (length.real > 0.0 and min(mass_per_length.real, head_mass.real) > -NONE and _sound(par, stations, tip)):
+    if not (length.real > 0.0 and min(lightest, head_mass.real) > -NONE and _sound(par, stations, tip)):
         tip[at.T_LENGTH] = np.nan
 
     sin_clamp, cos_clamp = sincos(par[P.effects_clamp_tilt])
+    piece, piece_begin, piece_end = 1, 0.0 * length, next_break(par, 0.0 * length, length)
     for i in range(nodes.shape[0]):
-        q_rest[3 * i] = nodes[i] * length * cos_clamp
-        q_rest[3 * i + 1] = -nodes[i] * length * sin_clamp
+        while nodes[i] * pieces > piece * (1.0 + ROUNDING) and piece < pieces:
+            piece, piece_begin, piece_end = piece + 1, piece_end, next_break(par, piece_end, length)
+        s = piece_begin + (nodes[i] * pieces - (piece - 1.0)) * (piece_end - piece_begin)
+        s = s if nodes[i] > 0.0 else 0.0 * length
+        q_rest[3 * i] = s * cos_clamp
+        q_rest[3 * i + 1] = -s * sin_clamp
         q_rest[3 * i + 2] = par[P.effects_clamp_tilt]

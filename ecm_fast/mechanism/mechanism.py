@@ -6,12 +6,17 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
 
 from ..errors import InputError, did_you_mean, shown
+from .body import SLOTS, Marker, Segment, Tendon, check_body
+from .catalogue import CATALOGUE
 from .derived import check_derived
 from .parameters import find
 from .sections import EFFECT_QUANTITIES, PRESETS, SECTIONS, Beam, Gravity, Head, Tendons
 from .toml_file import read_values, write_values
 
-__all__ = ["Effects", "Mechanism"]
+__all__ = ["PARTS", "Effects", "Mechanism"]
+
+PARTS = {"segment": "segments", "tendon": "named_tendons", "marker": "markers"}
+"""Attributes of a mechanism that hold the parts of a body, by what is in them."""
 
 
 class Effects(Mapping[str, float]):
@@ -57,11 +62,14 @@ def _restored_effects(values: Mapping[str, float]) -> Effects:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """A whole neck. Every number of it is one entry of the flat parameter vector (see `parameters`).
+    """A neck, or a planar tendon robot. Every number is one entry of the flat parameter vector (see `parameters`).
 
     Attributes
     ----------
-    beam, head, tendons, gravity, effects : the parts
+    beam, head, tendons, gravity, effects : the sections
+    segments : of the body, from the clamp on; empty: the body is `beam`
+    named_tendons : instead of the pair `tendons`; empty with segments: there are none
+    markers : points whose places are measured
     assumed : names of values that a mechanism file does not give though an answer can depend on them, so that they are
         the preset's; empty where the file names its preset. The command line lists them in one line
 
@@ -77,11 +85,43 @@ class Mechanism:
     tendons: Tendons = field(default_factory=Tendons)
     gravity: Gravity = field(default_factory=Gravity)
     effects: Effects = field(default_factory=Effects)
+    segments: tuple[Segment, ...] = ()
+    named_tendons: tuple[Tendon, ...] = ()
+    markers: tuple[Marker, ...] = ()
     assumed: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if self.effects:
             check_derived(self.values())
+        if self.segments or self.named_tendons or self.markers:
+            check_body(self.segments, self.named_tendons, self.markers, self.beam.length)
+            self._check_effects()
+
+    def _check_effects(self) -> None:
+        """Refuse effects of the pair of tendons on a mechanism that has none."""
+        if self.has_pair:
+            return
+        for name in self.effects:
+            effect = CATALOGUE[name.split(".")[0]]
+            if effect.enters in ("geometry", "force") and effect.name != "beam_length":
+                raise InputError(f"effects.{name}: it acts on the pair of [tendons], which this mechanism has not; a "
+                                 "[[tendon]] has numbers of its own: gain, zero, shift, pulley")  # fmt: skip
+
+    @property
+    def has_pair(self) -> bool:
+        """Whether the two tendons are the pair of the section `tendons`."""
+        return not (self.segments or self.named_tendons)
+
+    @property
+    def tendon_names(self) -> tuple[str, ...]:
+        """Names of the tendons, in the order of tendon forces."""
+        return ("l", "r") if self.has_pair else tuple(tendon.name for tendon in self.named_tendons)
+
+    @property
+    def length(self) -> float:
+        """Length of the undeformed body [m]."""
+        body = sum(segment.length for segment in self.segments) or self.beam.length
+        return body + self.effects.get("beam_length", 0.0)
 
     @classmethod
     def preset(cls, name: str = "slender") -> Self:
@@ -100,9 +140,13 @@ class Mechanism:
         InputError : the file cannot be read, is not TOML, or holds a key or value that cannot be; one line with
             file, key, value and what is allowed.
         """
-        preset, changes = read_values(path)
+        preset, changes, parts = read_values(path)
         try:
-            found = cls.preset(preset or "slender").replace(**changes)
+            found = cls.preset(preset or "slender")
+            if parts.get("segment"):  # a body of its own: no head, unless one is given
+                found = found.replace(mass=0.0, h=0.0)
+            given: dict[str, Any] = {PARTS[kind]: of_kind for kind, of_kind in parts.items()}
+            found = replace(found, **given).replace(**changes)
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
         return found if preset else replace(found, assumed=found._missing(changes))
@@ -112,20 +156,42 @@ class Mechanism:
         without = {"head.h", "head.b"} if self.head.mass == 0.0 else set[str]()
         if self.gravity.g == 0.0 and "gravity.g" in given:
             without |= {"beam.mass_per_length", "head.mass", "head.h", "head.b"}
-        names = (name for name in self.values() if not name.startswith("effects."))
+        without |= {"head.mass"} if self.segments else set()
+        names = (name for name in self.values() if name.split(".")[0] in SECTIONS and name != "gravity.tilt")
         return tuple(name for name in names if name not in given and name not in without)
 
     def to_toml(self, path: str | os.PathLike[str], remarks: Iterable[str] = ()) -> None:
         """Write a mechanism file that reads back to exactly this mechanism, with `remarks` as comments at its top."""
-        write_values(self.values(), path, remarks)
+        write_values(self.values(), path, remarks, {kind: getattr(self, parts) for kind, parts in PARTS.items()})
 
     def values(self) -> dict[str, float | str]:
         """Return every value of the sections and every effect that is present, by its full name: ``beam.EI``."""
         parts = {section: getattr(self, section) for section in SECTIONS}
+        if not self.has_pair:
+            del parts["tendons"]
+        parts |= {slot: part for slot in SLOTS if (part := self._part(slot)) is not None}
         values = {
-            f"{name}.{item.name}": getattr(part, item.name) for name, part in parts.items() for item in fields(part)
+            f"{name}.{item.name}": getattr(part, item.name)
+            for name, part in parts.items()
+            for item in fields(part)
+            if "quantity" in item.metadata and not (name == "beam" and self.segments and item.name != "axial_law")
         }
         return values | {f"effects.{name}": value for name, value in self.effects.items()}
+
+    def _part(self, slot: str) -> Any:
+        """Return a part of the body by its name in the vector; None where there is none."""
+        kind, number = SLOTS[slot]
+        parts = getattr(self, PARTS[kind])
+        return parts[number] if number < len(parts) else None
+
+    def key_of(self, name: str) -> str:
+        """Return the full name of a value that is named by a tendon or marker: ``front.zero`` -> ``tendon1.zero``."""
+        owner, _, entry = name.partition(".")
+        for kind in ("tendon", "marker"):
+            for i, part in enumerate(getattr(self, PARTS[kind])):
+                if part.name == owner:
+                    return f"{kind}{i + 1}.{entry}"
+        return name
 
     def replace(self, **changes: float | str) -> Self:
         """Return a mechanism with some values changed, named as in `parameters` (short or dotted).
@@ -137,10 +203,20 @@ class Mechanism:
         """
         grouped: dict[str, dict[str, Any]] = {}
         for name, value in changes.items():
-            section, _, entry = find(name).key.partition(".")
+            section, _, entry = find(self.key_of(name)).key.partition(".")
             grouped.setdefault(section, {})[entry] = value
         effects = grouped.pop("effects", {})
-        changed: dict[str, Any] = {name: replace(getattr(self, name), **new) for name, new in grouped.items()}
+        changed: dict[str, Any] = {}
+        for section, new in grouped.items():
+            if section not in SLOTS:
+                changed[section] = replace(getattr(self, section), **new)
+                continue
+            kind, number = SLOTS[section]
+            parts = list(changed.get(PARTS[kind], getattr(self, PARTS[kind])))
+            if number >= len(parts):
+                raise InputError(f"{section}.{next(iter(new))}: this mechanism has {len(parts)} {kind}s")
+            parts[number] = replace(parts[number], **new)
+            changed[PARTS[kind]] = tuple(parts)
         if effects:
             changed["effects"] = Effects({**self.effects, **effects})
         return replace(self, **changed)

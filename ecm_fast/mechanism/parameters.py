@@ -13,24 +13,44 @@ from dataclasses import fields
 from typing import Any
 
 from ..errors import InputError, did_you_mean
+from .body import SLOTS, slot_quantities
 from .catalogue import CATALOGUE, Effect
 from .quantity import Quantity
 from .sections import EFFECT_QUANTITIES, SECTIONS
 
-__all__ = ["N_BUILT_IN", "N_TAIL", "PARAMETERS", "PLACES", "append", "find", "index", "remove", "size"]
+__all__ = [
+    "FIRST_MARKER",
+    "FIRST_SEGMENT",
+    "FIRST_TENDON",
+    "N_BUILT_IN",
+    "N_TAIL",
+    "PARAMETERS",
+    "PLACES",
+    "append",
+    "find",
+    "index",
+    "remove",
+    "size",
+]
 
 PARAMETERS: list[Quantity] = [
     *(item.metadata["quantity"] for section in SECTIONS.values() for item in fields(section)),
     *EFFECT_QUANTITIES.values(),
 ]
-"""The entries of the vector, in order; those of effects that a user adds come last."""
+"""The entries of the vector: sections, effects, parts of a body; those of effects that a user adds come last."""
 
-_PLACE = {entry.key: place for place, entry in enumerate(PARAMETERS)}
-_NAMES = [key.replace(".", "_") for key in _PLACE]
+_NAMES = [entry.key.replace(".", "_") for entry in PARAMETERS]
 PLACES: Any = namedtuple("PLACES", _NAMES)(*range(len(_NAMES)))
-"""The place of every built-in entry, a constant for kernels: ``PLACES.beam_EA``, ``PLACES.effects_soft_spot_size``."""
+"""The place of every section's and effect's entry, a constant for kernels: ``PLACES.beam_EA``."""
 
-N_BUILT_IN = len(_NAMES)
+PARAMETERS += slot_quantities()
+_PLACE = {entry.key: place for place, entry in enumerate(PARAMETERS)}
+FIRST_SEGMENT, FIRST_TENDON, FIRST_MARKER = (
+    _PLACE[key] for key in ("segment1.length", "tendon1.route", "marker1.place")
+)
+"""Where the parts of a body begin; their own numbers follow each other as in `body.SEGMENT` and its like."""
+
+N_BUILT_IN = len(PARAMETERS)
 """How many entries there are without effects that a user adds."""
 N_TAIL = 2
 """How many numbers stand behind the values of the effects that a user adds, where there are any."""
@@ -68,7 +88,8 @@ def size() -> int:
 def find(name: str) -> Quantity:
     """Return the entry called `name`, either ``EA`` or, in full, ``beam.EA``.
 
-    A short name that an effect shares with a part of the mechanism is the part's.
+    A short name that an effect shares with a section of the mechanism is the section's; one that all segments have is
+    the first one's, which the others take over.
 
     Raises
     ------
@@ -76,14 +97,21 @@ def find(name: str) -> Quantity:
     """
     if name in _PLACE:
         return PARAMETERS[_PLACE[name]]
-    keys = _SHORT.get(name, [])
-    parts = [key for key in keys if not key.startswith("effects.")]
-    keys = parts or keys
-    if len(keys) == 1:
+    keys = min(_by_section(_SHORT.get(name, [])), key=lambda group: group[0], default=(0, []))[1]
+    if len(keys) == 1 or (keys and keys[0].startswith("segment")):
         return PARAMETERS[_PLACE[keys[0]]]
     if keys:
         raise InputError(f"parameter {name!r} is ambiguous: say {' or '.join(keys)}")
     raise InputError(f"no parameter is called {name!r}{did_you_mean(name, [*_SHORT, *_PLACE])}")
+
+
+def _by_section(keys: list[str]) -> list[tuple[int, list[str]]]:
+    """Group keys by which are meant first: those of sections, of effects, of parts of a body."""
+    groups: dict[int, list[str]] = {}
+    for key in keys:
+        section = key.split(".")[0]
+        groups.setdefault(2 if section in SLOTS else 1 if section == "effects" else 0, []).append(key)
+    return list(groups.items())
 
 
 def index(name: str) -> int:

@@ -5,11 +5,13 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal
 
 from ..errors import InputError, did_you_mean, shown
+from .body import ROUTES, SHAPES, SLOTS
 from .catalogue import CATALOGUE
 from .quantity import Quantity, Status
 
 __all__ = [
     "AXIAL_LAWS",
+    "CHOICES",
     "EFFECT_QUANTITIES",
     "PRESETS",
     "SECTIONS",
@@ -23,6 +25,12 @@ __all__ = [
 
 AXIAL_LAWS = ("neo-hookean", "hooke")
 """Names of the axial laws; the place in this tuple is the law's number in the parameter vector."""
+CHOICES = {
+    "beam.axial_law": AXIAL_LAWS,
+    **{f"{slot}.shape": SHAPES for slot, (kind, _) in SLOTS.items() if kind == "segment"},
+    **{f"{slot}.route": ROUTES for slot, (kind, _) in SLOTS.items() if kind == "tendon"},
+}
+"""Entries of the vector that are words, and the words by their number."""
 
 
 def _quantity(
@@ -140,11 +148,15 @@ class Tendons(_Section):
 
 @dataclass(frozen=True)
 class Gravity(_Section):
-    """Gravity acts along -e_x."""
+    """Gravity acts along -(cos tilt, sin tilt) in (x, z)."""
 
     g: float = _quantity(
         "gravity.g", "m/s^2", "acceleration of gravity", 9.81, "assumed", "not given",
         bounds=(-1e4, 1e4), typical=0.01,
+    )  # fmt: skip
+    tilt: float = _quantity(
+        "gravity.tilt", "rad", "angle by which gravity is turned in the plane: pi where the body hangs", 0.0, "assumed",
+        "the paper's neck stands upright", bounds=(-100.0, 100.0), typical=0.02,
     )  # fmt: skip
 
 

@@ -2,12 +2,14 @@
 
 import os
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
+from types import MappingProxyType
 from typing import Any
 
 from ..errors import InputError, did_you_mean, key_shown, shown, why
 from ..files import read_whole, write_whole
+from .body import KINDS, from_tables, tables
 from .catalogue import CATALOGUE
 from .parameters import PARAMETERS
 from .quantity import Quantity
@@ -16,8 +18,13 @@ from .sections import PRESETS, SECTIONS
 __all__ = ["read_values", "template", "write_values"]
 
 
-def read_values(path: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
-    """Return the preset that a mechanism file names, "" where it names none, and its values by their full names.
+Parts = Mapping[str, Sequence[Any]]
+EMPTY: Parts = MappingProxyType({})
+"""Segments, tendons and markers by the name of their tables."""
+
+
+def read_values(path: str | os.PathLike[str]) -> tuple[str, dict[str, Any], Parts]:
+    """Return the preset that a mechanism file names, "" where it names none, its values by full names, and its parts.
 
     Raises
     ------
@@ -36,17 +43,29 @@ def read_values(path: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
         raise InputError(f"{path}: {error}") from None
 
 
-def _values(content: dict[str, Any]) -> tuple[str, dict[str, Any]]:
-    tables = [*SECTIONS, "effects"]
+def _values(content: dict[str, Any]) -> tuple[str, dict[str, Any], Parts]:
+    tables = [*SECTIONS, "effects", *KINDS]
+    parts = {kind: from_tables(kind, content[kind]) for kind in KINDS if kind in content}
+    _check_sections(content, parts)
     for key, value in content.items():
-        if key == "preset":
+        if key == "preset" or key in KINDS:
             continue
         if key not in tables:
             raise InputError(f"unknown key {shown(key)}{did_you_mean(key, ['preset', *tables])}; allowed are "
                              f"preset, {', '.join(tables)}")  # fmt: skip
         if not isinstance(value, dict):
             raise InputError(f"{key} = {shown(value)}: allowed is a table, written [{key}]")
-    return _preset(content), {f"{section}.{name}": value for section, name, value in _entries(content)}
+    return _preset(content), {f"{section}.{name}": value for section, name, value in _entries(content)}, parts
+
+
+def _check_sections(content: Mapping[str, Any], parts: Parts) -> None:
+    """Refuse sections beside the parts that stand in their place."""
+    if ("segment" in parts or "tendon" in parts) and "tendons" in content:
+        raise InputError("[tendons], the pair of a neck, beside [[segment]] or [[tendon]]: allowed is one of them")
+    beam = content.get("beam", {})
+    if parts.get("segment") and isinstance(beam, dict) and set(beam) - {"axial_law"}:
+        raise InputError(f"beam.{key_shown(min(set(beam) - {'axial_law'}))} beside [[segment]]: allowed of [beam] is "
+                         "axial_law alone")  # fmt: skip
 
 
 def _preset(content: Mapping[str, Any]) -> str:
@@ -80,12 +99,15 @@ def _entries(content: Mapping[str, Any]) -> Iterator[tuple[str, str, Any]]:
             yield "effects", allowed[part], number
 
 
-def write_values(values: Mapping[str, float | str], path: str | os.PathLike[str], remarks: Iterable[str] = ()) -> None:
+def write_values(
+    values: Mapping[str, float | str], path: str | os.PathLike[str], remarks: Iterable[str] = (), parts: Parts = EMPTY
+) -> None:
     """Write every value of a mechanism, by its full name, with its unit and meaning; reading it gives the same values.
 
     remarks : what else a reader should know, for comments at the top
+    parts : segments, tendons and markers
     """
-    text = _text(values, {entry.key: entry for entry in PARAMETERS}, with_source=False)
+    text = _text(values, {entry.key: entry for entry in PARAMETERS}, with_source=False) + _part_text(parts)
     title, rest = text.split("\n", 1)
     write_whole(path, "\n".join([title, *(f"# {_printable(remark)}" for remark in remarks), rest]))
 
@@ -103,8 +125,9 @@ def template(preset: str = "slender") -> str:
 def _text(values: Mapping[str, float | str], entries: Mapping[str, Quantity], *, with_source: bool) -> str:
     lines = ["# A mechanism of ecm-fast: SI units, angles in radians. Every key is optional."]
     for section, cls in SECTIONS.items():
-        lines += ["", f"[{section}]"]
-        for name in cls.__dataclass_fields__:
+        names = [name for name in cls.__dataclass_fields__ if f"{section}.{name}" in values]
+        lines += ["", f"[{section}]"] if names else []
+        for name in names:
             entry, value = entries[f"{section}.{name}"], values[f"{section}.{name}"]
             source = f" ({entry.status}: {entry.source})" if with_source else ""
             lines.append(f"{name} = {_literal(value)}  # {_unit(entry)}{entry.meaning}{source}")
@@ -116,6 +139,18 @@ def _text(values: Mapping[str, float | str], entries: Mapping[str, Quantity], *,
     return "\n".join(lines) + "\n"
 
 
+def _part_text(parts: Parts) -> str:
+    lines = []
+    for kind, several in parts.items():
+        for table in tables(kind, several):
+            lines += ["", f"[[{kind}]]", *(f"{key} = {_toml(value)}" for key, value in table.items())]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _toml(value: object) -> str:
+    return f"[{', '.join(map(_toml, value))}]" if isinstance(value, list) else _literal(value)
+
+
 def _printable(text: str) -> str:
     return "".join(letter if letter.isprintable() else " " for letter in text)
 
@@ -124,5 +159,5 @@ def _unit(entry: Quantity) -> str:
     return "" if entry.unit == "-" else f"[{entry.unit}] "
 
 
-def _literal(value: float | str) -> str:
+def _literal(value: object) -> str:
     return f'"{value}"' if isinstance(value, str) else repr(value)

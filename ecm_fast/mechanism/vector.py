@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .body import KINDS, SLOTS
 from .catalogue import CATALOGUE
-from .mechanism import Effects, Mechanism
+from .mechanism import PARTS, Effects, Mechanism
 from .parameters import N_BUILT_IN, PARAMETERS, index, size
-from .sections import AXIAL_LAWS, EFFECT_QUANTITIES, SECTIONS
+from .sections import CHOICES, EFFECT_QUANTITIES, SECTIONS
 
 __all__ = ["check_tail", "pack", "tail", "unpack"]
 
@@ -20,31 +21,51 @@ def pack(mechanism: Mechanism) -> NDArray[np.float64]:
     """Return the parameter vector of a mechanism, shape (n_parameters,), see `size`."""
     par = np.concatenate([[entry.default for entry in PARAMETERS], tail()])
     for key, value in mechanism.values().items():
-        par[index(key)] = AXIAL_LAWS.index(value) if isinstance(value, str) else value
+        par[index(key)] = CHOICES[key].index(value) if isinstance(value, str) else value
     return par
 
 
-def unpack(par: NDArray[np.float64]) -> Mechanism:
+def unpack(par: NDArray[np.float64], like: Mechanism | None = None) -> Mechanism:
     """Return the mechanism of a parameter vector; the inverse of `pack`, without loss.
+
+    like : a mechanism with the same parts, whose tendons and markers have the same names; without it they are called
+        ``tendon1``, ``marker1`` and so on
 
     Raises
     ------
-    InputError : wrong length, a value out of its bounds, or an axial law that is neither 0 nor 1.
+    InputError : wrong length, a value out of its bounds, or a number that stands for no word.
     """
     vector = np.asarray(par, dtype=np.float64)
     if vector.shape != (size(),):
         raise InputError(f"a parameter vector has shape ({size()},), not {vector.shape}")
     check_tail(vector[None])
     values: dict[str, Any] = {entry.key: float(vector[place]) for place, entry in enumerate(PARAMETERS)}
-    law = values["beam.axial_law"]
-    if law not in (0.0, 1.0):
-        raise InputError(f"beam.axial_law = {law!r}: allowed is 0 ({AXIAL_LAWS[0]}) or 1 ({AXIAL_LAWS[1]})")
-    values["beam.axial_law"] = AXIAL_LAWS[int(law)]
-    parts = {
+    for key, words in CHOICES.items():
+        if values[key] not in range(len(words)):
+            allowed = " or ".join(f"{number} ({word or 'absent'})" for number, word in enumerate(words))
+            raise InputError(f"{key} = {values[key]!r}: allowed is {allowed}")
+        values[key] = words[int(values[key])]
+    parts: dict[str, Any] = {
         name: section(**{item.name: values[f"{name}.{item.name}"] for item in fields(section)})
         for name, section in SECTIONS.items()
     }
-    return Mechanism(**parts, effects=Effects({name: values[f"effects.{name}"] for name in EFFECT_QUANTITIES}))
+    effects = Effects({name: values[f"effects.{name}"] for name in EFFECT_QUANTITIES})
+    return Mechanism(**parts, effects=effects, **_parts(values, like))
+
+
+def _parts(values: dict[str, Any], like: Mechanism | None) -> dict[str, Any]:
+    """Return the parts of a body: those that are there have a length, a route or a place."""
+    known: dict[str, list[Any]] = {name: [] for name in PARTS.values()}
+    for slot, (kind, number) in SLOTS.items():
+        cls = KINDS[kind]
+        given = {item.name: values[f"{slot}.{item.name}"] for item in fields(cls) if item.name != "name"}
+        there = given["length"] if kind == "segment" else given["route"] if kind == "tendon" else (
+            given["place"] or given["on_head"])  # fmt: skip
+        if there:
+            named = getattr(like, PARTS[kind]) if like is not None else ()
+            name = {} if kind == "segment" else {"name": named[number].name if number < len(named) else slot}
+            known[PARTS[kind]].append(cls(**given, **name))
+    return {field: tuple(parts) for field, parts in known.items()}
 
 
 def tail() -> NDArray[np.float64]:

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from ..mesh.discretization import Discretization
 from .equilibrium import BatchResult, Status
-from .loads import pushing
+from .loads import loads_of, pushing
 from .paths.chain import Chain
 from .paths.condensed import Condensation, columns, solve_mechanisms
-from .refinement import errors, loads_of, solutions, solve_refined, stands
+from .refinement import errors, solutions, solve_refined, stands
 
 __all__ = ["fast_path", "solve_cases"]
 

@@ -1,8 +1,9 @@
 """The finite element model of a mechanism."""
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -11,17 +12,28 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, real, shown
 from ..kernels.general.newton import solve
-from ..kernels.layout import L_FX, L_GRAVITY, N_OUT, O_FACTOR, O_ITERATIONS, O_PRELOAD, O_THETA, O_X, O_Z
+from ..kernels.layout import L_FX, L_GRAVITY, N_LOADS, N_OUT, O_FACTOR, O_ITERATIONS, O_PRELOAD, O_THETA, O_X, O_Z
 from ..kernels.prepare import prepare
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.vector import pack
 from ..mesh.discretization import Discretization
 from ..mesh.families import find_family
 from .batch import fast_path, solve_cases
+from .body import divide
 from .equilibrium import BatchResult, Equilibrium, Status
 from .instruments.history import path_effects
 from .inverse import Inverse
-from .loads import MIN_TOLERANCE, finite_load, last_step, many_loads, one_load, parameter_rows, pushing
+from .loads import (
+    MIN_TOLERANCE,
+    Names,
+    finite_load,
+    forces_by_name,
+    last_step,
+    many_loads,
+    one_load,
+    parameter_rows,
+    pushing,
+)
 from .path_state import PathChoice, PathState, check_order
 from .paths.chain import Chain
 from .paths.condensed import ColdSolve, Condensation
@@ -94,12 +106,14 @@ class FiniteElementModel:
         self.accuracy = None if by_hand else accuracy
         if order is None:
             order = min(_order(accuracy), find_family(family).highest_order)
-        self.discretization = Discretization.of(1 if elements is None else elements, order, gauss, family)
+        by_pieces = divide(pack(replace(self.mechanism, markers=())), elements)
+        self.discretization = Discretization.of(by_pieces, order, gauss, family)
         self._prepare()
 
     def _prepare(self) -> None:
         """Make what follows from the mechanism and the discretization."""
-        self._par = pack(self.mechanism)
+        self._par = pack(replace(self.mechanism, markers=()))  # which are no part of the statics
+        self._names = self.mechanism.tendon_names
         self._path_effects = path_effects(self._par)
         self._system = work_arrays(self.discretization)
         self._finer: dict[Discretization, FiniteElementModel] = {}
@@ -146,13 +160,18 @@ class FiniteElementModel:
         return held
 
     def solve(
-        self, lam: ArrayLike = (0.0, 0.0), wrench: ArrayLike = (0.0, 0.0, 0.0), *, path: PathChoice = None
+        self,
+        lam: ArrayLike | Mapping[str, float] | None = None,
+        wrench: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        path: PathChoice = None,
     ) -> Equilibrium:
         """Return the equilibrium on the stable branch that grows from the unloaded state.
 
         Parameters
         ----------
-        lam : (2,) tendon forces left, right, >= 0 [N]
+        lam : tendon forces, >= 0 [N]: (2,) left, right; of named tendons (m,) in the order of the file, or by name,
+            where what is not given is 0. Default: none pulls
         wrench : (3,) dead wrench at Q in world axes: fx, fz [N], tau [N m]
         path : ``"ignore"`` or `Stepper.state`, where poses depend on the order of loads
 
@@ -164,11 +183,14 @@ class FiniteElementModel:
         model = self.at_state(path, "solve")
         if model is not self:
             return model.solve(lam, wrench, path="ignore")
-        loads = finite_load(lam, wrench)
+        if not isinstance(lam, tuple):
+            lam = _in_order(lam, self._names)
+        loads = finite_load(lam, wrench, self._names)
         fast, sure = self._solve_condensed(loads)
         if fast is not None and sure:
             return fast
-        eq, mesh = fast or self._solve(np.array(loads), self.accuracy), self.discretization
+        loads = np.concatenate([loads, np.zeros(N_LOADS - len(loads))])
+        eq, mesh = fast or self._solve(loads, self.accuracy), self.discretization
         if self.accuracy is None:
             return eq
         verdict, before, at = eq.verdict, None, jumps(self._par[None])
@@ -177,7 +199,7 @@ class FiniteElementModel:
             if finer_mesh is None:
                 break
             mesh = finer_mesh
-            eq = self._on(mesh)._solve(np.array(loads), self.accuracy)
+            eq = self._on(mesh)._solve(loads, self.accuracy)
             before, verdict = verdict, eq.verdict
         return eq
 
@@ -195,7 +217,7 @@ class FiniteElementModel:
         cold: ColdSolve | None = self._thread.cold
         return cold
 
-    def _solve_condensed(self, loads: tuple[float, ...]) -> tuple[Equilibrium | None, bool]:
+    def _solve_condensed(self, loads: Array | tuple[float, ...]) -> tuple[Equilibrium | None, bool]:
         """Solve one load case on the condensed path, and say whether it surely keeps the accuracy; None: no verdict."""
         cold = self._cold
         if cold is None or (self._cells_are_off and pushing(self._par[None], np.array([loads[:L_FX]]))):
@@ -222,7 +244,9 @@ class FiniteElementModel:
     def _on(self, mesh: Discretization) -> "FiniteElementModel":
         """Return the model of the same mechanism on another discretization."""
         if mesh not in self._finer:
-            self._finer[mesh] = FiniteElementModel(self.mechanism, mesh.shares, mesh.order)
+            finer_model = copy(self)
+            finer_model.__setstate__({"accuracy": None, "discretization": mesh})
+            self._finer[mesh] = finer_model
         return self._finer[mesh]
 
     def _solve(self, loads: Array, accuracy: float | None) -> Equilibrium:
@@ -262,7 +286,7 @@ class FiniteElementModel:
 
         Parameters
         ----------
-        lam : (n, 2) tendon forces [N]
+        lam : (n, 2) tendon forces [N]; of named tendons (n, m)
         wrench : (n, 3) dead wrenches at Q, or (3,) for all [N, N, N m]; default none
         parameters : (n, n_parameters) a parameter vector for each case instead of the model's mechanism
         tolerance : largest error that Newton's method may leave, in rad and shares of the length
@@ -278,7 +302,7 @@ class FiniteElementModel:
         """
         if parameters is None and (model := self.at_state(path, "solve_batch")) is not self:
             return model.solve_batch(lam, wrench, tolerance=tolerance, threads=threads, out=out)
-        tensions, dead = many_loads(lam, wrench)
+        tensions, dead = many_loads(lam, wrench, self._names)
         last2, mesh = last_step(tolerance), self.discretization
         if out is not None and len(out) != len(tensions):
             raise InputError(f"out has {len(out)} cases: allowed is {len(tensions)}, as many as there are loads")
@@ -313,7 +337,7 @@ class FiniteElementModel:
         """
         if parameters is None and (model := self.at_state(path, "sensitivities")) is not self:
             return model.sensitivities(names, lam, wrench, tolerance=tolerance)
-        tensions, dead = many_loads(lam, wrench)
+        tensions, dead = many_loads(lam, wrench, self._names)
         par = self._par[None]
         if parameters is not None:
             par = parameter_rows(parameters, len(tensions))
@@ -404,6 +428,13 @@ class FiniteElementModel:
         promise = "" if self.accuracy is None else f", refined to {self.accuracy:g} where needed"
         elements = f"{mesh.n_elements} {kind}element(s) of order {mesh.order}, {mesh.gauss} Gauss points each"
         return f"FiniteElementModel({elements}{promise})"
+
+
+def _in_order(lam: ArrayLike | Mapping[str, float] | None, names: Names) -> ArrayLike:
+    """Return tendon forces in the order of the tendons."""
+    if lam is None:
+        return (0.0,) * len(names)
+    return tuple(forces_by_name(lam, names)) if isinstance(lam, Mapping) else lam
 
 
 def _order(accuracy: float) -> int:

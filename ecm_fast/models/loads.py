@@ -1,20 +1,27 @@
 """Validation of a model's inputs: loads, parameter vectors, tolerances."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError, real, shown
+from ..errors import InputError, did_you_mean, real, shown
+from ..kernels.layout import L_FX, L_GRAVITY, L_LAM_3, L_LAM_L, L_LAM_R, L_PRESTRAIN, N_LOADS
 from ..mechanism.catalogue import CATALOGUE, FULL_SCALE, LARGEST_PUSH
 from ..mechanism.parameters import PARAMETERS, PLACES, index, size
 from ..mechanism.sections import AXIAL_LAWS
 from ..mechanism.vector import check_tail
 
 __all__ = [
+    "LAM_PLACES",
     "MIN_TOLERANCE",
+    "PAIR",
+    "Names",
     "finite_load",
+    "forces_by_name",
     "last_step",
+    "loads_of",
     "many_loads",
     "numbers",
     "one_load",
@@ -23,6 +30,10 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+Names = tuple[str, ...]
+PAIR: Names = ("l", "r")
+LAM_PLACES = (L_LAM_L, L_LAM_R, *range(L_LAM_3, N_LOADS))
+"""Places of tendon forces among the kernels' loads."""
 # Newton's method leaves at most this times the square of its last step (measured: 0.4 under tendons, 1.2 with wrenches)
 QUADRATIC, MIN_TOLERANCE = 10.0, 1e-13
 _CELLS = [index(effect.size.key) for effect in CATALOGUE.values() if effect.enters == "force"]
@@ -45,41 +56,72 @@ def numbers(name: str, values: ArrayLike) -> Array:
         raise InputError(f"{name} = {shown(values)}: allowed is an array of numbers") from None
 
 
-def many_loads(lam: ArrayLike, wrench: ArrayLike | None) -> tuple[Array, Array]:
-    """Return tendon forces (n, 2) and dead wrenches (n, 3) or, where all are the same, (1, 3); or raise."""
+def many_loads(lam: ArrayLike, wrench: ArrayLike | None, names: Names = PAIR) -> tuple[Array, Array]:
+    """Return tendon forces (n, m) and dead wrenches (n, 3) or, where all are the same, (1, 3); or raise.
+
+    names : of the tendons; m is their number, or 2 where there are fewer, whose forces then are 0
+    """
     tensions = numbers("tendon forces", lam)
     dead = np.zeros(3) if wrench is None else numbers("wrenches", wrench)
-    if tensions.ndim != 2 or tensions.shape[1] != 2:
-        raise InputError(f"tendon forces have shape {tensions.shape}: allowed is two, left and right, a case")
+    if tensions.ndim != 2 or tensions.shape[1] != len(names):
+        each = "two, left and right, a case" if names == PAIR else f"{len(names)} a case: {', '.join(names)}"
+        raise InputError(f"tendon forces have shape {tensions.shape}: allowed is {each}")
     if dead.shape not in {(3,), (len(tensions), 3)}:
         raise InputError(f"wrenches have shape {dead.shape}: allowed is ({len(tensions)}, 3): fx, fz, tau a case")
     if (tensions < 0.0).any():
         row, side = np.argwhere(tensions < 0.0)[0]
         raise InputError(
-            f"lam_{'lr'[side]} = {tensions[row, side]} N in row {row}: allowed is >= 0, a tendon only pulls"
+            f"lam_{names[side]} = {tensions[row, side]} N in row {row}: allowed is >= 0, a tendon only pulls"
         )
+    if len(names) < len(PAIR):
+        tensions = np.hstack([tensions, np.zeros((len(tensions), len(PAIR) - len(names)))])
     return tensions, np.atleast_2d(dead)
 
 
-def one_load(lam: ArrayLike, wrench: ArrayLike) -> Array:
+def loads_of(lam: Array, wrench: Array) -> Array:
+    """Return the kernels' loads of many cases, (n, N_LOADS).
+
+    lam : (n, m) tendon forces, wrench : (1 or n, 3)
+    """
+    loads = np.zeros((len(lam), N_LOADS))
+    loads[:, LAM_PLACES[: lam.shape[1]]], loads[:, L_FX:L_GRAVITY] = lam, wrench
+    loads[:, [L_GRAVITY, L_PRESTRAIN]] = 1.0
+    return loads
+
+
+def one_load(lam: ArrayLike, wrench: ArrayLike, names: Names = PAIR) -> Array:
     """Return the kernels' loads of one case, (N_LOADS,), or raise where they cannot be meant."""
-    tensions, dead = many_loads(numbers("tendon forces", lam)[None], numbers("wrench", wrench)[None])
-    return np.concatenate([tensions[0], dead[0], [1.0, 1.0]])
+    loads = loads_of(*many_loads(numbers("tendon forces", lam)[None], numbers("wrench", wrench)[None], names))
+    return np.asarray(loads[0])
 
 
-def finite_load(lam: ArrayLike, wrench: ArrayLike) -> tuple[float, ...]:
-    """Return the loads of one case as `one_load` does, all of them finite, or raise; quick for tuples of floats."""
-    if isinstance(lam, tuple) and isinstance(wrench, tuple) and len(lam) == 2 and len(wrench) == 3:
-        left, right, f_x, f_z, tau = loads = (*lam, *wrench)
+def forces_by_name(lam: Mapping[str, float], names: Names) -> list[float]:
+    """Return tendon forces in the order of `names`, 0 for what is not given; or raise for a name that is none."""
+    for name in lam:
+        if name not in names:
+            raise InputError(f"no tendon is called {name!r}{did_you_mean(name, names)}; allowed are {', '.join(names)}")
+    return [lam.get(name, 0.0) for name in names]
+
+
+def finite_load(lam: ArrayLike, wrench: ArrayLike, names: Names = PAIR) -> Array | tuple[float, ...]:
+    """Return the loads of one case as `one_load` does, all of them finite, or raise; quick for tuples of two floats.
+
+    For these without what follows `L_PRESTRAIN`, which is 0.
+    """
+    quick = isinstance(lam, tuple) and isinstance(wrench, tuple) and len(lam) == len(names) == 2 and len(wrench) == 3
+    if quick:
+        left, right, f_x, f_z, tau = loads = (*lam, *wrench)  # type: ignore[misc]  # tuples, both
         plain = type(left) is type(right) is type(f_x) is type(f_z) is type(tau) is float
         if plain and 0.0 <= left < np.inf and 0.0 <= right < np.inf and math.isfinite(f_x + f_z + tau):
             return (*loads, 1.0, 1.0)
-    values = one_load(lam, wrench)
+    values = one_load(lam, wrench, names)
     bad = ~np.isfinite(values)
     if bad.any():
-        name = ("lam_l", "lam_r", "fx", "fz", "tau")[int(np.argmax(bad))]
+        places = dict(zip(LAM_PLACES, (f"lam_{name}" for name in names), strict=False))
+        place = int(np.argmax(bad))
+        name = places.get(place) or ("fx", "fz", "tau")[place - L_FX]
         raise InputError(f"{name} = {values[bad][0]}: allowed is a finite number")
-    return tuple(values.tolist())
+    return values
 
 
 def parameter_rows(values: ArrayLike, n: int) -> Array:

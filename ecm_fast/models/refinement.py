@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 from ..kernels.general.batch import solve_many
 from ..kernels.general.error import tip_errors
 from ..kernels.general.newton import solve_work_size
-from ..kernels.layout import L_FX, L_GRAVITY, N_LOADS, N_OUT, N_STATION, N_TIP, O_FACTOR, O_THETA, O_X, O_Z
+from ..kernels.layout import L_FX, L_GRAVITY, N_OUT, N_STATION, N_TIP, O_FACTOR, O_THETA, O_X, O_Z
 from ..mechanism.parameters import PLACES
 from ..mesh.discretization import Discretization
+from .body import lengths_of, piece_ends
 from .equilibrium import Status
+from .loads import LAM_PLACES, loads_of
 from .paths.condensed import solve_nodes
 
 __all__ = [
@@ -23,7 +25,6 @@ __all__ = [
     "errors",
     "finer",
     "jumps",
-    "loads_of",
     "reached",
     "resolve",
     "solutions",
@@ -45,6 +46,9 @@ BRANCH_END = 1e-3
 LAST2 = 1e-13
 # more different places of jumps than this in one batch: no element ends at them
 MOST_JUMPS = 8
+
+
+_GROWING = [*LAM_PLACES, *range(L_FX, L_GRAVITY)]
 
 
 Verdict = tuple[Any, Any, Any]
@@ -75,18 +79,11 @@ def work_arrays(mesh: Discretization) -> tuple[Array, Array, Array, Array, Array
     return np.empty((len(mesh.mesh), N_STATION)), np.empty(N_TIP), np.empty(n), np.empty(n), work
 
 
-def loads_of(lam: Array, wrench: Array) -> Array:
-    """Return the kernels' loads of many cases, (n, N_LOADS)."""
-    loads = np.ones((len(lam), N_LOADS))
-    loads[:, :L_FX], loads[:, L_FX:L_GRAVITY] = lam, wrench
-    return loads
-
-
 def reached(loads: Array, factor: Any) -> Array:
     """Return loads (n, N_LOADS) of which tendon forces and wrench have a share `factor` (n, 1), see `Equilibrium`."""
     loads = loads.copy()
-    own = loads[..., :L_GRAVITY]
-    loads[..., :L_GRAVITY] = np.multiply(own, factor, where=factor > 0.0, out=np.zeros_like(own))  # may be infinite
+    own = loads[..., _GROWING]
+    loads[..., _GROWING] = np.multiply(own, factor, where=factor > 0.0, out=np.zeros_like(own))  # may be infinite
     return loads
 
 
@@ -127,17 +124,20 @@ def errors(mesh: Discretization, par: Array, loads: Array, found: Solutions) -> 
     again = np.empty((len(loads), N_OUT))
     status, no_nodes = np.empty(len(loads), dtype=np.int64), np.empty((0, 3 * half.nodes.size))
     solve_many(half.tables, half.mesh, half.nodes, par, at, work_arrays(half), again, status, no_nodes)
-    length = (par[:, PLACES.beam_length] + par[:, PLACES.effects_beam_length])[:, None]
+    length = lengths_of(par)[:, None]
     off = np.abs(again[:, [O_X, O_Z, O_THETA]] - found.pose) / np.hstack([length, length, np.ones_like(length)])
     # as the kernel: twice what halving changes
     return np.where(status <= Status.UNSTABLE, 2.0 * off.max(axis=1), np.inf)
 
 
 def jumps(par: Array) -> tuple[float, ...]:
-    """Return where the stiffness of any mechanism jumps, as shares of the length; none where they are too many.
+    """Return where the stiffness of any mechanism jumps, as shares of the mesh; none where they are too many.
 
     par : (n, n_parameters)
     """
+    breaks = piece_ends(par)
+    if breaks:
+        return breaks
     spots = par[par[:, PLACES.effects_soft_spot_size] != 0.0]
     length = spots[:, PLACES.beam_length] + spots[:, PLACES.effects_beam_length]
     middle, half = spots[:, PLACES.effects_soft_spot_place], 0.5 * spots[:, PLACES.effects_soft_spot_width] / length

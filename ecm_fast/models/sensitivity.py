@@ -11,12 +11,12 @@ from ..kernels.general.newton import solve_work_size
 from ..kernels.general.sensitivity import pose_sensitivities
 from ..kernels.layout import N_STATION, N_TIP
 from ..mechanism.catalogue import CATALOGUE
-from ..mechanism.parameters import PLACES, find, index
+from ..mechanism.parameters import N_BUILT_IN, find, index
 from ..mechanism.sections import STIFFNESSES
 from ..mesh.discretization import Discretization
 from .equilibrium import Status
-from .loads import pushing
-from .refinement import loads_of, solutions
+from .loads import loads_of, pushing
+from .refinement import solutions
 
 __all__ = ["Sensitivities", "sensitivities"]
 
@@ -82,7 +82,7 @@ def sensitivities(
     refused = pushing(par, lam)
     if refused is not None:
         found.status[refused] = Status.INVALID_INPUT
-    plain = mesh.family == "lagrange" and not (par[:, _FURTHER].any() or par[:, len(PLACES) :].any())
+    plain = mesh.family == "lagrange" and not (par[:, _FURTHER].any() or par[:, N_BUILT_IN:].any())
     stiffness, others, columns = _sort(names, plain=plain)
     out = np.empty((n, 3)), np.empty((n, 3, 2)), np.empty((n, 3, 3)), np.empty((n, 3, k))
     real, complex_ = _work(mesh, others.size)

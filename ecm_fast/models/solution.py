@@ -11,6 +11,7 @@ from ..kernels.layout import R_FX, R_FZ, R_LAM_L, R_LAM_R, R_TAU
 from ..kernels.prepare import prepare
 from ..mechanism.vector import check_tail
 from ..mesh.discretization import Discretization
+from .loads import loads_of
 from .paths.condensed import Condensation
 from .refinement import Solutions, errors, work_arrays
 
@@ -89,7 +90,8 @@ class CondensedSolution:
 
     def _nodal(self) -> NodalSolution:
         """Return the same solution by its nodes."""
-        loads = np.append(self.state[[R_LAM_L, R_LAM_R, R_FX, R_FZ, R_TAU]], [1.0, 1.0])
+        row = self.state[[R_LAM_L, R_LAM_R, R_FX, R_FZ, R_TAU]]
+        loads = loads_of(row[None, :2], row[None, 2:])[0]
         return NodalSolution(self.condensation.mesh, self.par, loads, self.nodes())
 
 

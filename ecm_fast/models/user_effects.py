@@ -23,7 +23,7 @@ from ..files import read_whole
 from ..kernels.layout import N_USER
 from ..kernels.user_laws import LAWS, MOST_LAWS, N_LAW
 from ..mechanism.catalogue import CATALOGUE, Effect, Mirror, declare
-from ..mechanism.parameters import PARAMETERS, PLACES, append, find, index, remove
+from ..mechanism.parameters import N_BUILT_IN, PARAMETERS, append, find, index, remove
 from ..mechanism.quantity import Quantity
 from ..mechanism.vector import tail
 from .instruments.history import USER_ROWS
@@ -188,7 +188,7 @@ def _check_name(own: Effect) -> None:
         raise InputError(f"effect {own.name!r}: a name has small letters, digits and single underscores")
     if own.name in CATALOGUE or any(entry.name == own.name for entry in PARAMETERS):
         raise InputError(f"effect {own.name!r} exists already; take another name")
-    used = len(PARAMETERS) - len(PLACES)
+    used = len(PARAMETERS) - N_BUILT_IN
     if used + len(own.quantities) > N_USER:
         raise InputError(f"effect {own.name!r}: {N_USER} parameters can be added, {used} are in use")
 
@@ -205,7 +205,7 @@ def _compile(enters: str) -> None:
     """Compile one C function that adds up all laws that enter at one place, and note its address."""
     import numba
 
-    laws, first = _LAWS[enters], len(PLACES)
+    laws, first = _LAWS[enters], N_BUILT_IN
     if not laws:
         _ADDRESSES[enters] = 0
         return
@@ -260,10 +260,10 @@ def _check_law(own: Effect, enters: str) -> None:
 def _evaluate(law: Any, own: Effect, values: Sequence[float], coordinates: Any) -> Any:
     """Return what the compiled law gives, (3,) complex, with the effects of the user but for one absent."""
     given, found = np.zeros(N_USER + 4, dtype=complex), np.zeros(3, dtype=complex)
-    for entry in PARAMETERS[len(PLACES) :]:
-        given[index(entry.key) - len(PLACES)] = find(entry.key).default
+    for entry in PARAMETERS[N_BUILT_IN:]:
+        given[index(entry.key) - N_BUILT_IN] = find(entry.key).default
     for entry, value in zip(own, values, strict=True):
-        given[index(entry.key) - len(PLACES)] = value
+        given[index(entry.key) - N_BUILT_IN] = value
     given[N_USER:] = coordinates
     law.ctypes(given.ctypes.data, found.ctypes.data)
     return found

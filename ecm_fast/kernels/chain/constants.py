@@ -28,6 +28,7 @@ from ..layout import (
     S_LOAD_X,
     S_LOAD_Z,
     S_WEIGHT,
+    T_CHORDS,
     T_FURTHER,
 )
 
@@ -65,7 +66,7 @@ def condense_chain(stations, tip, q_rest, basis, turn, stretch, con):
                 i += 1
     next_compliance = 0.0
     load_x, load_z = 0.0, 0.0  # of all elements beyond
-    applies = tip[T_FURTHER] == 0.0
+    applies = tip[T_FURTHER] == 0.0 and tip[T_CHORDS] == 0.0
     for e in range(n - 1, -1, -1):
         own = stations[e * p : (e + 1) * p]
         j = e % COLUMNS

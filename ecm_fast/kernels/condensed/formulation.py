@@ -37,6 +37,7 @@ from ..layout import (
     CONVERGED,
     LANES,
     N_KEPT,
+    N_PAIR_TIP,
     N_POINT,
     N_SECTION,
     NOT_CONVERGED,
@@ -60,6 +61,7 @@ from ..layout import (
     S_EI,
     S_FURTHER,
     S_GA,
+    S_GUIDES,
     S_HOOKE,
     S_KAPPA0,
     S_LOAD_X,
@@ -68,6 +70,7 @@ from ..layout import (
     S_PLACE,
     S_WEIGHT,
     T_BENDING_FORCE,
+    T_CHORDS,
     T_FURTHER,
     T_LENGTH,
     T_WEIGHT_X,
@@ -114,7 +117,7 @@ def state_size(order: int) -> int:
 def put_head(hooke, tip, theta0, stretch, con):
     """Put the constants before `C_STATION`, which do not depend on the mesh; arguments as in `condense`."""
     length = tip[T_LENGTH]
-    copy(tip, con)
+    copy(tip[:N_PAIR_TIP], con)
     con[C_THETA0], con[C_TIP], con[C_SHIFT] = theta0, theta0, SHIFT
     con[C_INV_LENGTH2], con[C_INV_FORCE2] = 1.0 / (length * length), (FORCE_SHARE / tip[T_BENDING_FORCE]) ** 2
     con[C_ROUGH] = 0.0
@@ -124,7 +127,7 @@ def put_head(hooke, tip, theta0, stretch, con):
 @step_kernel
 def plain_section(station):
     """Whether the laws of a section are uncoupled, bending and shear linear: stretch follows from N, shear from Q."""
-    return station[S_OFFSET] == 0.0 and station[S_FURTHER] == 0.0
+    return station[S_OFFSET] == 0.0 and station[S_FURTHER] == 0.0 and station[S_GUIDES] == 0.0
 
 
 @kernel
@@ -164,7 +167,7 @@ def condense(stations, tip, q_rest, turn, slopes, stretch, con):
     put_head(stations[0, S_HOOKE], tip, theta0, stretch, con)
     con[C_STATION:] = 0.0
     K = con[C_STATION + N_POINT * p :]
-    applies, shares = tip[T_FURTHER] == 0.0, 0.0
+    applies, shares = tip[T_FURTHER] == 0.0 and tip[T_CHORDS] == 0.0, 0.0
     for g in range(p):
         row, w = stations[g], stations[g, S_WEIGHT]
         applies = applies and plain_section(row) and row[S_HOOKE] == stations[0, S_HOOKE]

@@ -6,11 +6,11 @@ at the tip. The factor is kept in band storage, 3 n_a - 1 entries below the diag
 """
 
 from .._jit import copy, kernel
-from ..layout import L_GRAVITY, T_CLAMP_TILT, T_CLAMP_X, T_FURTHER
+from ..layout import T_CLAMP_TILT, T_CLAMP_X, T_FURTHER
 from .elements.dispatch import element, sizes
 from .tip import tip_wrench
 
-__all__ = ["back_substitute", "band_of", "eliminate", "newton_step", "solve_spd3", "work_size"]
+__all__ = ["back_substitute", "band_of", "eliminate", "newton_step", "solve_factored", "solve_spd3", "work_size"]
 
 
 def work_size(n_elements: int, order: int) -> int:
@@ -25,7 +25,7 @@ def eliminate(front, first, last, res, band):
 
     front : (m, m)    lower triangle; overwritten, rows and columns from `last` on become the Schur complement
     res : (m,)        overwritten: entries before `last` become D^-1 L^-1 res, the others are reduced
-    band : (last, m)  row j overwritten with column j of L below the diagonal
+    band : (last, m)  row j overwritten with column j of L below the diagonal, and with 1/D on it
 
     Returns the number of pivots that are not positive: by Sylvester's law of inertia the number of directions in
     which the energy falls, among those eliminated.
@@ -47,6 +47,7 @@ def eliminate(front, first, last, res, band):
             res[i] -= factor * y
         for i in range(j + 1, m):
             band[j, i] *= inv
+        band[j, j] = inv
         res[j] = y * inv
     return not_positive
 
@@ -78,7 +79,7 @@ def newton_step(tables, stations, tip, loads, q, work, step, K_tip):
     for e in range(stations.shape[0] // n_gauss):
         _open_front(front, res, K_tip)
         own = stations[e * n_gauss : (e + 1) * n_gauss]
-        element(tables, own, loads[L_GRAVITY], q[first_row : first_row + m], res, front, room)
+        element(tables, own, loads, q[first_row : first_row + m], res, front, room)
         clamped = 3 if e == 0 else 0
         if e == 0 and tip[T_FURTHER] != 0.0:
             clamped = 0
@@ -166,6 +167,26 @@ def solve_spd3(lower, rhs):
     rhs[1] = y1 / d1 - l21 * rhs[2]
     rhs[0] = rhs[0] / d0 - l10 * rhs[1] - l20 * rhs[2]
     return (0 if d0 > 0.0 else 1) + (0 if d1 > 0.0 else 1) + (0 if d2 > 0.0 else 1)
+
+
+@kernel
+def solve_factored(band, width, K_tip, rhs, clamped):
+    """Solve the factorized system of `newton_step` for another right-hand side, (n,), in place.
+
+    band, K_tip : what that leaves; width : unknowns that one element completes; clamped : held entries at the start
+    """
+    n, m = rhs.shape[0], band.shape[1]
+    rhs[:clamped] = 0.0
+    for row in range(clamped, n - 3):
+        local, y = row % width, rhs[row]
+        first = row - local
+        for i in range(local + 1, m):
+            rhs[first + i] -= band[row, i] * y
+        rhs[row] = y * band[row, local]
+    solve_spd3(K_tip, rhs[n - 3 :])
+    for i in range(n):  # which `back_substitute` turns round again
+        rhs[i] = -rhs[i]
+    back_substitute(band, width, rhs, clamped)
 
 
 @kernel

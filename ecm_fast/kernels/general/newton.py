@@ -16,6 +16,7 @@ from ..layout import (
     CONVERGED,
     INVALID_INPUT,
     L_GRAVITY,
+    L_LAM_3,
     L_LAM_L,
     L_LAM_R,
     L_PRESTRAIN,
@@ -31,7 +32,6 @@ from ..layout import (
     S_EA,
     S_EI,
     S_GA,
-    S_PRESTRAIN,
     SECTION_UNSTABLE,
     T_FURTHER,
     T_LENGTH,
@@ -86,7 +86,6 @@ def solve(tables, stations, tip, q_rest, loads, q, work, out):
     out[O_FACTOR], out[O_PRELOAD] = 1.0, 1.0
     if status != CONVERGED:
         status = _follow(tables, stations, tip, q_rest, loads, q, work, out)
-    stations[:, S_PRESTRAIN] = 1.0
     _put_pose(tip, loads, q, rest, out)
     return status
 
@@ -109,7 +108,6 @@ def advance(tables, stations, tip, base, loads, q, work, out, most):
     for i in range(N_LOADS):
         base[i] = loads[i] if reached == 1.0 else base[i] + reached * (loads[i] - base[i])
     base[N_LOADS] = 1.0 if reached == 1.0 else min(1.0, stride / (1.0 - reached))
-    stations[:, S_PRESTRAIN] = 1.0
     rest = work[2 * q.shape[0] + 3 * N_LOADS :]
     if reached == 1.0:
         _put_pose(tip, loads, q, rest, out)
@@ -134,6 +132,8 @@ def _possible(tip, loads):
             return False
     lam_l, lam_r = tendon_forces(tip, loads)
     pull = min(loads[L_LAM_L], loads[L_LAM_R]) >= 0.0 and min(lam_l, lam_r) >= -LARGEST_PUSH
+    for i in range(L_LAM_3, N_LOADS):
+        pull = pull and loads[i] >= 0.0
     return pull and tip[T_LENGTH] > 0.0
 
 
@@ -144,7 +144,6 @@ def _correct(tables, stations, tip, loads, q, work, step, out, limit, shrink, mo
     shrink : the largest ratio of two successive steps; below 1 every iterate must be stable too
     most : stops too where `out` counts that many iterations
     """
-    stations[:, S_PRESTRAIN] = loads[L_PRESTRAIN]
     before = np.inf
     for _ in range(MAX_ITERATIONS):
         if out[O_ITERATIONS] >= most:
@@ -207,7 +206,10 @@ def _follow(tables, stations, tip, q_rest, loads, q, work, out):
         out[O_FACTOR] = reached
     if _tendon_is_short(tip, loads, q, work[2 * n + 3 * N_LOADS :]):
         return TENDON_ZERO_LENGTH
-    if _section_fails(tables, stations, q):
+    now = work[2 * n : 2 * n + N_LOADS]
+    for i in range(N_LOADS):
+        now[i] = base[i] + reached * (goal[i] - base[i])
+    if _section_fails(tables, stations, now, q):
         return SECTION_UNSTABLE
     if reached == 0.0 or base[L_PRESTRAIN] == 0.0:
         return NOT_CONVERGED
@@ -224,11 +226,13 @@ def _tendon_is_short(tip, loads, q, work):
 
 
 @kernel
-def _lagrange_fails(tables, stations, q):
+def _lagrange_fails(tables, stations, loads, q):
     n_gauss, width = tables.shape[1], 3 * (tables.shape[2] - 1)
     for i in range(stations.shape[0]):
         station, first = stations[i], width * (i // n_gauss)
-        _, _, gamma_x, gamma_z, _, law = lagrange.section_at(tables, station, i % n_gauss, q[first : first + width + 3])
+        _, _, gamma_x, gamma_z, _, law = lagrange.section_at(
+            tables, station, loads, i % n_gauss, q[first : first + width + 3]
+        )
         N, Q, _, N_x, Q_x, _, Q_z, _, M_k = law
         det = N_x * Q_z - Q_x * Q_x
         EA, GA, EI = station[S_EA], station[S_GA], station[S_EI]
@@ -241,7 +245,7 @@ def _lagrange_fails(tables, stations, q):
 
 
 @kernel
-def _not_looked_at(tables, stations, q):
+def _not_looked_at(tables, stations, loads, q):
     """Of other families the strains are not known here."""
     return False
 

@@ -4,6 +4,9 @@ import numpy as np
 
 from .._jit import kernel
 from ..layout import (
+    L_GRAVITY,
+    L_PRESTRAIN,
+    N_GUIDE,
     S_AMPLITUDE,
     S_BIMODULUS,
     S_CUBIC,
@@ -11,6 +14,8 @@ from ..layout import (
     S_EI,
     S_FURTHER,
     S_GA,
+    S_GUIDE,
+    S_GUIDES,
     S_HOOKE,
     S_KAPPA0,
     S_LAW,
@@ -20,7 +25,6 @@ from ..layout import (
     S_OGDEN,
     S_ONE_SIDED,
     S_PLACE,
-    S_PRESTRAIN,
     S_SHEAR_COMPRESSION,
     S_SHEAR_CUBIC,
     S_USER,
@@ -42,17 +46,42 @@ def axial_law(EA, hooke, stretch):
 
 
 @kernel
-def section_law(station, gamma_x, gamma_z, kappa):
-    """Contact force and couple of one section, [C2] of `reference.section`.
+def section_law(station, loads, gamma_x, gamma_z, kappa):
+    """Contact force and couple of one section, [C2] of `reference.section`, with what guided tendons add, [B4].
 
-    station : (N_STATION,)
+    station : (N_STATION,), loads : (N_LOADS,)
     gamma_x, gamma_z, kappa : [-, -, 1/m]
 
     Returns N [N], Q [N], M [N m] and their derivatives, which are symmetric: N by gamma_x, gamma_z, kappa, Q by gamma_z
     and kappa, M by kappa.
     """
+    law = _rod_law(station, loads[L_PRESTRAIN], gamma_x, gamma_z, kappa)
+    return law if station[S_GUIDES] == 0.0 else _with_guides(station, loads, gamma_x, gamma_z, kappa, law)
+
+
+@kernel
+def _with_guides(station, loads, gamma_x, gamma_z, kappa, law):
+    """Add the tendons that guides hold at the section: tension times the stretch |t| of their paths is their energy."""
+    N, Q, M, N_x, N_z, N_k, Q_z, Q_k, M_k = law
+    for i in range(int(station[S_GUIDES].real)):
+        own = station[S_GUIDE + N_GUIDE * i : S_GUIDE + N_GUIDE * (i + 1)]
+        tension = loads[int(own[0].real)] * own[3] + loads[L_GRAVITY] * own[4]
+        o = own[1]
+        t_x, t_z = gamma_x + o * kappa, gamma_z + own[2]
+        inv = 1.0 / np.sqrt(t_x * t_x + t_z * t_z)
+        e_x, e_z, pull = t_x * inv, t_z * inv, tension * inv
+        N, Q, M = N + tension * e_x, Q + tension * e_z, M + tension * o * e_x
+        xx, xz, zz = pull * e_z * e_z, -pull * e_x * e_z, pull * e_x * e_x
+        N_x, N_z, N_k = N_x + xx, N_z + xz, N_k + o * xx
+        Q_z, Q_k, M_k = Q_z + zz, Q_k + o * xz, M_k + o * o * xx
+    return N, Q, M, N_x, N_z, N_k, Q_z, Q_k, M_k
+
+
+@kernel
+def _rod_law(station, prestrain, gamma_x, gamma_z, kappa):
+    """Contact force and couple of the rod alone; `prestrain`: share of its curvature as built and the user's laws."""
     offset = station[S_OFFSET]
-    g, u = gamma_x + offset * kappa, kappa - station[S_PRESTRAIN] * station[S_KAPPA0]
+    g, u = gamma_x + offset * kappa, kappa - prestrain * station[S_KAPPA0]
     N, N_g = axial_law(station[S_EA], station[S_HOOKE], g)
     if station[S_FURTHER] == 0.0:
         Q, M = station[S_GA] * gamma_z, station[S_EI] * u + offset * N
@@ -69,7 +98,7 @@ def section_law(station, gamma_x, gamma_z, kappa):
     N_kappa = offset * N_g + N_u
     M, Q_kappa, M_kappa = M + offset * N, offset * Q_g, M_u + offset * (N_u + N_kappa)
     if station[S_LAW] != 0.0:
-        a = station[S_PRESTRAIN]
+        a = prestrain
         (n, q, m), by = added(gamma_x, gamma_z, kappa, station[S_LAW], station[S_USER:], station[S_PLACE])
         N, Q, M = N + a * n, Q + a * q, M + a * m
         N_g, Q_g, N_kappa = N_g + a * by[0], Q_g + a * by[1], N_kappa + a * by[2]

@@ -13,7 +13,6 @@ import numpy as np
 
 from .._jit import by_first_type, kernel
 from ..layout import (
-    L_GRAVITY,
     L_LAM_L,
     L_LAM_R,
     S_EA,
@@ -107,7 +106,7 @@ def _unit_responses(work, m, tip, compliance, turn, W):
 
 
 @kernel
-def _lagrange_by_stiffness(basis, stations, q, W, by_EA, by_GA, by_EI):
+def _lagrange_by_stiffness(basis, stations, loads, q, W, by_EA, by_GA, by_EI):
     """Pose by EA, GA and EI, (3,) each: minus the virtual work of what a stiffness of 1 adds to the contact force."""
     n_gauss, m = basis.shape[1], 3 * basis.shape[2]
     by_EA[:], by_GA[:], by_EI[:] = 0.0, 0.0, 0.0
@@ -123,7 +122,7 @@ def _lagrange_by_stiffness(basis, stations, q, W, by_EA, by_GA, by_EI):
             dtheta += basis[1, g, a] * own[3 * a + 2]
         s, c = sincos(theta)
         gamma_x, gamma_z, kappa = inv_h * (dx * c - dz * s), inv_h * (dx * s + dz * c), inv_h * dtheta
-        N = section_law(station, gamma_x, gamma_z, kappa)[0]
+        N = section_law(station, loads, gamma_x, gamma_z, kappa)[0]
         for k in range(3):
             d_x, d_z, turn, bend = 0.0, 0.0, 0.0, 0.0
             for a in range(m // 3):
@@ -139,7 +138,7 @@ def _lagrange_by_stiffness(basis, stations, q, W, by_EA, by_GA, by_EI):
 
 
 @kernel
-def _not_written_out(tables, stations, q, W, by_EA, by_GA, by_EI):
+def _not_written_out(tables, stations, loads, q, W, by_EA, by_GA, by_EI):
     """Other families leave the stiffnesses to the complex step: this is never called."""
 
 
@@ -191,7 +190,7 @@ def _residual_change(tables, stations, tip, q_rest, loads, q, reaction, q_comple
         for e in range(stations.shape[0] // n_gauss):
             first = e * (m - 3)
             own = stations[e * n_gauss : (e + 1) * n_gauss]
-            element_residual(tables, own, loads[L_GRAVITY], q_complex[first : first + m], res[first : first + m])
+            element_residual(tables, own, loads, q_complex[first : first + m], res[first : first + m])
     for i in range(3):
         if tip[T_CLAMP_X + i].real > 0.0:
             rest = tip[T_CLAMP_TILT] if i == 2 else 0.0 * tip[T_CLAMP_TILT]
@@ -213,7 +212,7 @@ def _reaction(tables, stations, loads, q, res):
     n_gauss, n_a = sizes(tables)
     m = 3 * n_a
     res[:m] = 0.0
-    element_residual(tables, stations[:n_gauss], loads[L_GRAVITY], q[:m], res[:m])
+    element_residual(tables, stations[:n_gauss], loads, q[:m], res[:m])
     for i in range(3):
         res[i] = -res[i]
 
@@ -253,7 +252,7 @@ def pose_sensitivities(
         _unit_responses(work, m, tip, compliance[i], turn, W)
         _reaction(tables, stations, loads[i], q[i], step)
         if stiffness[0] >= 0 or stiffness[1] >= 0 or stiffness[2] >= 0:
-            _by_stiffness(tables, stations, q[i], W, spare[0], spare[1], spare[2])
+            _by_stiffness(tables, stations, loads[i], q[i], W, spare[0], spare[1], spare[2])
             for k in range(3):
                 if stiffness[k] >= 0:
                     by[i, :, stiffness[k]] = spare[k]

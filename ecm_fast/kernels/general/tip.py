@@ -7,7 +7,7 @@ from .._jit import kernel, step_kernel
 from ..trig import sincos
 from ..user_laws import added
 
-__all__ = ["force_slopes", "plate_turn", "tendon", "tendon_directions", "tendon_forces", "tip_wrench"]
+__all__ = ["chord", "force_slopes", "plate_turn", "tendon", "tendon_directions", "tendon_forces", "tip_wrench"]
 
 
 # the joint of the head plate: most Newton steps, and the gap that is closed [rad]
@@ -89,6 +89,8 @@ def _head_wrench(tip, loads, x, z, theta, wrench, K):
     wrench[2] = loads[at.L_TAU] + s_z * w_x - s_x * w_z + m_l + m_r - k_t * theta - stop
     K[0], K[1], K[2], K[3], K[4] = xx_l + xx_r, zx_l + zx_r, zz_l + zz_r + k_z, tx_l + tx_r, tz_l + tz_r
     K[5] = s_x * w_x + s_z * w_z + tt_l + tt_r + k_t + stop_tt
+    if tip[at.T_CHORDS] != 0.0:
+        shortest = _add_chords(tip, loads, x, z, s, c, wrench, K, shortest)
     if tip[at.T_LAW] != 0.0:
         forces, by = added(x, z, theta, tip[at.T_LAW], tip[at.T_USER :], 1.0)
         a = loads[at.L_PRESTRAIN]
@@ -96,6 +98,38 @@ def _head_wrench(tip, loads, x, z, theta, wrench, K):
             wrench[i] += a * forces[i]
         K[0], K[1], K[2] = K[0] - a * by[0], K[1] - a * by[1], K[2] - a * by[3]
         K[3], K[4], K[5] = K[3] - a * by[2], K[4] - a * by[4], K[5] - a * by[5]
+    return shortest
+
+
+@kernel
+def chord(tip, i, x, z, s, c):
+    """A chord beside the first two tendons: e_x, e_z, free length, and lever from Q in world axes."""
+    own = tip[at.T_CHORD + at.N_CHORD * i : at.T_CHORD + at.N_CHORD * (i + 1)]
+    r_x, r_z = own[1] * c + own[2] * s, own[2] * c - own[1] * s
+    e_x, e_z, free = tendon(own[3] - x - r_x, own[4] - z - r_z, own[5])
+    return e_x, e_z, free, r_x, r_z
+
+
+@kernel
+def _add_chords(tip, loads, x, z, s, c, wrench, K, shortest):
+    """Add the chords beside the first two tendons to wrench and stiffness; returns the shortest free length so far."""
+    for i in range(int(tip[at.T_CHORDS].real)):
+        own = tip[at.T_CHORD + at.N_CHORD * i : at.T_CHORD + at.N_CHORD * (i + 1)]
+        lam = loads[int(own[0].real)] * own[6] + loads[at.L_GRAVITY] * own[7]
+        if lam == 0.0:
+            continue
+        e_x, e_z, free, r_x, r_z = chord(tip, i, x, z, s, c)
+        f_x, f_z, m, xx, zx, zz, tx, tz, tt = _pull(lam, e_x, e_z, free, r_x, r_z)
+        wrench[0] += f_x
+        wrench[1] += f_z
+        wrench[2] += m
+        K[0] += xx
+        K[1] += zx
+        K[2] += zz
+        K[3] += tx
+        K[4] += tz
+        K[5] += tt
+        shortest = shortest if free.real >= shortest else free.real
     return shortest
 
 

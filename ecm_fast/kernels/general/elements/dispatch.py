@@ -4,8 +4,8 @@ So a solve of Lagrange elements knows nothing of the other families, and each fa
 Every family's module of kernels has the four functions below, with these arguments:
 
 sizes(tables)                                           Gauss points and nodes of an element
-element(tables, stations, gravity, q, res, K, room)     adds an element's residual and tangent
-element_residual(tables, stations, gravity, q, res)     adds the residual alone, real or complex
+element(tables, stations, loads, q, res, K, room)     adds an element's residual and tangent
+element_residual(tables, stations, loads, q, res)     adds the residual alone, real or complex
 take(tables, q, step, fresh)                            moves the whole beam by Newton's step
 """
 

@@ -1,7 +1,7 @@
 """One Lagrange element of any order: its internal force less its dead load, and its tangent."""
 
 from ..._jit import copy, kernel, step_kernel
-from ...layout import S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
+from ...layout import L_GRAVITY, S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
 from ...trig import sincos
 from ..section import section_law
 
@@ -15,7 +15,7 @@ def sizes(basis):
 
 
 @step_kernel
-def section_at(basis, station, g, q):
+def section_at(basis, station, loads, g, q):
     """Angle's sine and cosine, strains and section law at Gauss point `g`; arguments as in `element`."""
     dx, dz, theta, dtheta = q[0] * 0.0, q[0] * 0.0, q[0] * 0.0, q[0] * 0.0  # real or complex, as q is
     for a in range(basis.shape[2]):
@@ -26,22 +26,22 @@ def section_at(basis, station, g, q):
     inv_h = station[S_INV_H]
     s, c = sincos(theta)
     gamma_x, gamma_z, kappa = inv_h * (dx * c - dz * s), inv_h * (dx * s + dz * c), inv_h * dtheta
-    return s, c, gamma_x, gamma_z, kappa, section_law(station, gamma_x, gamma_z, kappa)
+    return s, c, gamma_x, gamma_z, kappa, section_law(station, loads, gamma_x, gamma_z, kappa)
 
 
 @kernel
-def element_residual(basis, stations, gravity, q, res):
+def element_residual(basis, stations, loads, q, res):
     """Add one element's residual, [E1] of `reference.element`; real, or complex for the complex step.
 
     Arguments as in `element`.
     """
     for g in range(basis.shape[1]):
         station = stations[g]
-        s, c, gamma_x, gamma_z, _, (N, Q, M, _, _, _, _, _, _) = section_at(basis, station, g, q)
+        s, c, gamma_x, gamma_z, _, (N, Q, M, _, _, _, _, _, _) = section_at(basis, station, loads, g, q)
         w, inv_h = station[S_WEIGHT], station[S_INV_H]
         n_x, n_z = w * inv_h * (N * c + Q * s), w * inv_h * (Q * c - N * s)
         couple, M = w * (Q * gamma_x - N * gamma_z), w * inv_h * M
-        load_x, load_z = w * gravity * station[S_LOAD_X], w * gravity * station[S_LOAD_Z]
+        load_x, load_z = w * loads[L_GRAVITY] * station[S_LOAD_X], w * loads[L_GRAVITY] * station[S_LOAD_Z]
         for a in range(basis.shape[2]):
             n, d = basis[0, g, a], basis[1, g, a]
             res[3 * a] += d * n_x - n * load_x
@@ -50,13 +50,13 @@ def element_residual(basis, stations, gravity, q, res):
 
 
 @kernel
-def element(basis, stations, gravity, q, res, K, room):
+def element(basis, stations, loads, q, res, K, room):
     """Add one element's residual and tangent, [E1] and [E2] of `reference.element`.
 
     basis : (3, n_gauss, n_a)       shape functions and their derivatives by xi in [0, 1], at the Gauss points; a third
                                     table that only `take` uses
     stations : (n_gauss, N_STATION) the element's Gauss points
-    gravity : share of the dead load
+    loads : (N_LOADS,), of which the section takes guided tendons and the share of the dead load
     q : (3 n_a,)                    the element's x, z, theta, node by node [m, m, rad]
     res : (3 n_a,), K : (3 n_a, 3 n_a)   added to; of K only the lower triangle
     room : not used
@@ -64,13 +64,13 @@ def element(basis, stations, gravity, q, res, K, room):
     n_a = basis.shape[2]
     for g in range(basis.shape[1]):
         station = stations[g]
-        s, c, gamma_x, gamma_z, _, law = section_at(basis, station, g, q)
+        s, c, gamma_x, gamma_z, _, law = section_at(basis, station, loads, g, q)
         N, Q, M, N_x, N_z, N_k, Q_z, Q_k, M_k = law
         inv_h, w = station[S_INV_H], station[S_WEIGHT]
 
         n_x, n_z = N * c + Q * s, Q * c - N * s
         res_theta = w * (Q * gamma_x - N * gamma_z)
-        load_x, load_z = w * gravity * station[S_LOAD_X], w * gravity * station[S_LOAD_Z]
+        load_x, load_z = w * loads[L_GRAVITY] * station[S_LOAD_X], w * loads[L_GRAVITY] * station[S_LOAD_Z]
 
         # the energy's second derivatives by (x', z', theta, theta'), times the weight
         cross = 2.0 * s * c * N_z

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from ..._jit import kernel, step_kernel
-from ...layout import S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
+from ...layout import L_GRAVITY, S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
 from ...trig import sincos
 from ..section import section_law
 
@@ -62,7 +62,7 @@ def _strains(q):
 
 
 @step_kernel
-def _forces(stations, gravity, g_x, g_z, phi):
+def _forces(stations, loads, g_x, g_z, phi):
     """Means of the contact force and couple over the element, their derivatives by g_x, g_z, phi, and its dead load."""
     N, Q, M = g_x * 0.0, g_x * 0.0, g_x * 0.0
     N_x, N_z, N_k, Q_z, Q_k, M_k = g_x * 0.0, g_x * 0.0, g_x * 0.0, g_x * 0.0, g_x * 0.0, g_x * 0.0
@@ -71,12 +71,15 @@ def _forces(stations, gravity, g_x, g_z, phi):
         station = stations[g]
         inv_h, w = station[S_INV_H], station[S_WEIGHT]
         share = w * inv_h
-        n, t, m, n_x, n_z, n_k, t_z, t_k, m_k = section_law(station, inv_h * g_x, inv_h * g_z, inv_h * phi)
+        n, t, m, n_x, n_z, n_k, t_z, t_k, m_k = section_law(station, loads, inv_h * g_x, inv_h * g_z, inv_h * phi)
         N, Q, M = N + share * n, Q + share * t, M + share * m
         share *= inv_h
         N_x, N_z, N_k = N_x + share * n_x, N_z + share * n_z, N_k + share * n_k
         Q_z, Q_k, M_k = Q_z + share * t_z, Q_k + share * t_k, M_k + share * m_k
-        load_x, load_z = load_x + w * gravity * station[S_LOAD_X], load_z + w * gravity * station[S_LOAD_Z]
+        load_x, load_z = (
+            load_x + w * loads[L_GRAVITY] * station[S_LOAD_X],
+            load_z + w * loads[L_GRAVITY] * station[S_LOAD_Z],
+        )
     return N, Q, M, N_x, N_z, N_k, Q_z, Q_k, M_k, load_x, load_z
 
 
@@ -92,10 +95,10 @@ def _add_residual(f_x, f_z, turn, bend, load_x, load_z, res):
 
 
 @kernel
-def element_residual(tables, stations, gravity, q, res):
+def element_residual(tables, stations, loads, q, res):
     """Add one element's residual; real, or complex for the complex step. Arguments as in `element`."""
     dx, dz, s, c, phi, u, v, dv, _, g_x, g_z = _strains(q)
-    N, Q, M, _, _, _, _, _, _, load_x, load_z = _forces(stations, gravity, g_x, g_z, phi)
+    N, Q, M, _, _, _, _, _, _, load_x, load_z = _forces(stations, loads, g_x, g_z, phi)
     f_x = u * (N * c + Q * s) - (0.5 * load_x + v * load_z)
     f_z = u * (Q * c - N * s) - (0.5 * load_z - v * load_x)
     bend = v * (N * g_x + Q * g_z) + M - dv * (load_z * dx - load_x * dz)
@@ -103,20 +106,20 @@ def element_residual(tables, stations, gravity, q, res):
 
 
 @kernel
-def element(tables, stations, gravity, q, res, K, room):
+def element(tables, stations, loads, q, res, K, room):
     """Add one element's residual and tangent: gradient and second derivatives of the energy of `reference.se2`.
 
     The dead load of the element is spread evenly over it.
 
     tables : `families.Se2Tables`
     stations : (n_gauss, N_STATION) the element's Gauss points
-    gravity : share of the dead load
+    loads : (N_LOADS,), of which the section takes guided tendons and the share of the dead load
     q : (6,)                        both poses [m, m, rad]
     res : (6,), K : (6, 6)          added to; of K only the lower triangle
     room : not used
     """
     dx, dz, s, c, phi, u, v, dv, ddv, g_x, g_z = _strains(q)
-    N, Q, M, N_x, N_z, N_k, Q_z, Q_k, M_k, load_x, load_z = _forces(stations, gravity, g_x, g_z, phi)
+    N, Q, M, N_x, N_z, N_k, Q_z, Q_k, M_k, load_x, load_z = _forces(stations, loads, g_x, g_z, phi)
     n_x, n_z = u * (N * c + Q * s), u * (Q * c - N * s)
     f_x, f_z = n_x - (0.5 * load_x + v * load_z), n_z - (0.5 * load_z - v * load_x)
     along, turn, moment = N * g_x + Q * g_z, Q * g_x - N * g_z, load_z * dx - load_x * dz

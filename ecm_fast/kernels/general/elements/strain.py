@@ -10,7 +10,7 @@ derivative with the mean's change put in.
 """
 
 from ..._jit import kernel, step_kernel
-from ...layout import S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
+from ...layout import L_GRAVITY, S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
 from ...trig import sincos
 from ..section import section_law
 
@@ -54,26 +54,26 @@ def _mean(tables, q):
 
 
 @step_kernel
-def _beyond(tables, stations, gravity, g):
+def _beyond(tables, stations, loads, g):
     """Dead load of the element between Gauss point `g` and its last node."""
     x, z = stations[g, S_LOAD_X] * 0.0, stations[g, S_LOAD_X] * 0.0
     for k in range(tables.beyond.shape[1]):
-        share = tables.beyond[g, k] * gravity / stations[k, S_INV_H]
+        share = tables.beyond[g, k] * loads[L_GRAVITY] / stations[k, S_INV_H]
         x += share * stations[k, S_LOAD_X]
         z += share * stations[k, S_LOAD_Z]
     return x, z
 
 
 @step_kernel
-def _end_force(tables, stations, gravity, q, mean_x, mean_z, a, b):
+def _end_force(tables, stations, loads, q, mean_x, mean_z, a, b):
     """Contact force at the last node: what makes the energy stationary in the mean of h gamma."""
     x, z = mean_x * 0.0, mean_x * 0.0
     for g in range(tables.weights.shape[0]):
         s, c, dtheta, i_x, i_z = _section_at(tables, g, q)
         inv_h, w = stations[g, S_INV_H], tables.weights[g]
         gamma_x, gamma_z = inv_h * (mean_x + i_x), inv_h * (mean_z + i_z)
-        N, Q, _, _, _, _, _, _, _ = section_law(stations[g], gamma_x, gamma_z, inv_h * dtheta)
-        t_x, t_z = _beyond(tables, stations, gravity, g)
+        N, Q, _, _, _, _, _, _, _ = section_law(stations[g], loads, gamma_x, gamma_z, inv_h * dtheta)
+        t_x, t_z = _beyond(tables, stations, loads, g)
         x += w * (N - (t_x * c - t_z * s))
         z += w * (Q - (t_x * s + t_z * c))
     return x * a + z * b, z * a - x * b
@@ -97,7 +97,7 @@ def _add_at(tables, station, g, gamma, law, contact, res):
 
 
 @step_kernel
-def _add_ends(stations, gravity, f_x, f_z, res):
+def _add_ends(stations, loads, f_x, f_z, res):
     """Add the force at the last node, and at the first what balances it and the element's dead load."""
     last = res.shape[0] - 3
     res[last] += f_x
@@ -105,34 +105,34 @@ def _add_ends(stations, gravity, f_x, f_z, res):
     res[0] -= f_x
     res[1] -= f_z
     for g in range(stations.shape[0]):
-        res[0] -= stations[g, S_WEIGHT] * gravity * stations[g, S_LOAD_X]
-        res[1] -= stations[g, S_WEIGHT] * gravity * stations[g, S_LOAD_Z]
+        res[0] -= stations[g, S_WEIGHT] * loads[L_GRAVITY] * stations[g, S_LOAD_X]
+        res[1] -= stations[g, S_WEIGHT] * loads[L_GRAVITY] * stations[g, S_LOAD_Z]
 
 
 @kernel
-def element_residual(tables, stations, gravity, q, res):
+def element_residual(tables, stations, loads, q, res):
     """Add one element's residual; real, or complex for the complex step. Arguments as in `element`."""
     mean_x, mean_z, a, b = _mean(tables, q)
-    f_x, f_z = _end_force(tables, stations, gravity, q, mean_x, mean_z, a, b)
-    _add_ends(stations, gravity, f_x, f_z, res)
+    f_x, f_z = _end_force(tables, stations, loads, q, mean_x, mean_z, a, b)
+    _add_ends(stations, loads, f_x, f_z, res)
     for g in range(stations.shape[0]):
         s, c, dtheta, i_x, i_z = _section_at(tables, g, q)
         inv_h = stations[g, S_INV_H]
         gamma_x, gamma_z = inv_h * (mean_x + i_x), inv_h * (mean_z + i_z)
-        N, Q, M, _, _, _, _, _, _ = section_law(stations[g], gamma_x, gamma_z, inv_h * dtheta)
-        n_x, n_z = _beyond(tables, stations, gravity, g)
+        N, Q, M, _, _, _, _, _, _ = section_law(stations[g], loads, gamma_x, gamma_z, inv_h * dtheta)
+        n_x, n_z = _beyond(tables, stations, loads, g)
         n_x, n_z = n_x + f_x, n_z + f_z
         contact = n_x * c - n_z * s, n_x * s + n_z * c
         _add_at(tables, stations[g], g, (gamma_x, gamma_z), (N, Q, M), contact, res)
 
 
 @kernel
-def element(tables, stations, gravity, q, res, K, room):
+def element(tables, stations, loads, q, res, K, room):
     """Add one element's residual and tangent: gradient and second derivatives of the energy of `reference.strain`.
 
     tables : `families.StrainTables`
     stations : (n_gauss, N_STATION)   the element's Gauss points
-    gravity : share of the dead load
+    loads : (N_LOADS,), of which the section takes guided tendons and the share of the dead load
     q : (3 n_a,)                      poses at the ends; of inner nodes coefficients and angle, see `families._strain`
     res : (3 n_a,), K : (3 n_a, 3 n_a)   added to; of K only the lower triangle
     room : (18 n_a,)                  work space
@@ -140,16 +140,16 @@ def element(tables, stations, gravity, q, res, K, room):
     m = q.shape[0]
     G, B = room[: 2 * m].reshape(2, m), room[2 * m : 6 * m].reshape(4, m)
     mean_x, mean_z, a, b = _mean(tables, q)
-    f_x, f_z = _end_force(tables, stations, gravity, q, mean_x, mean_z, a, b)
-    _add_ends(stations, gravity, f_x, f_z, res)
+    f_x, f_z = _end_force(tables, stations, loads, q, mean_x, mean_z, a, b)
+    _add_ends(stations, loads, f_x, f_z, res)
     _mean_by_unknowns(tables, q, mean_x, mean_z, a, b, G)
     for g in range(stations.shape[0]):
         s, c, dtheta, i_x, i_z = _section_at(tables, g, q)
         inv_h, w = stations[g, S_INV_H], stations[g, S_WEIGHT]
         gamma_x, gamma_z = inv_h * (mean_x + i_x), inv_h * (mean_z + i_z)
-        law = section_law(stations[g], gamma_x, gamma_z, inv_h * dtheta)
+        law = section_law(stations[g], loads, gamma_x, gamma_z, inv_h * dtheta)
         N, Q, M, N_x, N_z, N_k, Q_z, Q_k, M_k = law
-        n_x, n_z = _beyond(tables, stations, gravity, g)
+        n_x, n_z = _beyond(tables, stations, loads, g)
         n_x, n_z = n_x + f_x, n_z + f_z
         l_x, l_z = n_x * c - n_z * s, n_x * s + n_z * c
         _add_at(tables, stations[g], g, (gamma_x, gamma_z), (N, Q, M), (l_x, l_z), res)
