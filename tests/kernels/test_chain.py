@@ -6,8 +6,8 @@ from scipy.optimize import brentq
 
 from ecm_fast import FiniteElementModel, Mechanism, Status
 from ecm_fast.kernels.chain.solve import follow_chain
-from ecm_fast.kernels.layout import H_NEGATIVE, L_GRAVITY, N_LOADS
-from ecm_fast.models.loads import QUADRATIC
+from ecm_fast.kernels.layout import H_NEGATIVE, N_LOADS
+from ecm_fast.models.loads import QUADRATIC, loads_of
 from ecm_fast.models.paths.chain import Chain
 from ecm_fast.models.paths.condensed import columns
 
@@ -48,7 +48,7 @@ def solve(chain: Chain, loads) -> tuple[np.ndarray, np.ndarray]:
 
 def new_state(chain: Chain, loads) -> np.ndarray:
     state = chain.new_state()
-    state[:N_LOADS] = [*loads[:L_GRAVITY], 1.0, 1.0]
+    state[:N_LOADS] = loads_of(np.array([loads[:2]]), np.array([loads[2:5]]))[0]
     return state
 
 

@@ -13,6 +13,7 @@ import pytest
 from ecm_fast import FiniteElementModel, InputError, Mechanism, Status
 from ecm_fast.kernels import layout, prepare, trig
 from ecm_fast.kernels.general.elements import se2, strain
+from ecm_fast.mechanism.parameters import find
 from ecm_fast.mechanism.sections import EFFECT_QUANTITIES
 from ecm_fast.mechanism.vector import pack
 from ecm_fast.mesh.discretization import Discretization
@@ -45,7 +46,8 @@ class Element:
         }
         law = ("neo-hookean", "hooke")[seed % 2]
         par = pack(Mechanism().replace(length=(0.04, 0.4)[seed // 2 % 2], axial_law=law, **effects))
-        self.p, self.share = reference.named(par), 0.7
+        self.p, self.share, self.loads = reference.named(par), 0.7, np.ones(layout.N_LOADS)
+        self.loads[layout.L_GRAVITY] = self.share
         self.h = reference.length(self.p)
         self.family, self.mesh, self.kernels = family, Discretization.of(1, order, gauss, family), KERNELS[family]
         (self.points,) = reference.stations(self.p, self.mesh)
@@ -70,13 +72,13 @@ class Element:
         m = self.q.size
         res, K = np.zeros(m), np.zeros((m, m))
         room = np.full(6 * m, np.nan)  # what is left there by others must not matter
-        self.kernels.element(self.mesh.tables, self.stations, self.share, self.q, res, K, room)
+        self.kernels.element(self.mesh.tables, self.stations, self.loads, self.q, res, K, room)
         return res, K
 
     def residual(self, q):
         res = np.zeros(q.size, q.dtype)
         stations = self.stations.astype(q.dtype)
-        self.kernels.element_residual(self.mesh.tables, stations, self.share, q, res)
+        self.kernels.element_residual(self.mesh.tables, stations, self.loads, q, res)
         return res
 
 
@@ -339,7 +341,7 @@ def test_derivatives_are_central_differences(family):
 
     values = reference.named(pack(bed))
     for k, parameter in enumerate(names):
-        (key,) = [key for key in values if key.endswith("." + parameter)]
+        key = find(parameter).key
         step = 1e-3 * values[key] if values[key] else 1e-3
 
         def pose(change, key=key):

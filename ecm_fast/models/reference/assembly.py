@@ -1,11 +1,13 @@
 """The whole beam: energy for every family; residual, tangent and Newton's method for Lagrange elements."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from ...mesh.discretization import Discretization
+from .body import at_place, body_at, element_ends
 from .element import element_energy, element_force, element_tangent
 from .parameters import Parameters, length
 from .se2 import se2_energy
@@ -16,20 +18,24 @@ from .tip import tip_energy, tip_stiffness, tip_wrench
 __all__ = ["energy", "gradient", "newton_step", "residual", "rest_coordinates", "solve", "stations", "tangent"]
 
 
-def stations(p: Parameters, mesh: Discretization) -> list[list[Parameters]]:
-    """Parameters at every Gauss point of every element."""
-    begin, places = np.cumsum([0.0, *mesh.shares[:-1]]), mesh.mesh[:, 0].reshape(-1, mesh.gauss)
-    return [
-        [station(p, place, first, share, i, mesh.gauss) for i, place in enumerate(own)]
-        for own, first, share in zip(places, begin, mesh.shares, strict=True)
-    ]
+def stations(p: Parameters, mesh: Discretization, loads: Any = None) -> list[list[Parameters]]:
+    """Parameters at every Gauss point of every element; `loads` give guided tendons their tensions."""
+    ends, points = element_ends(p, mesh.shares) / length(p), np.polynomial.legendre.leggauss(mesh.gauss)[0]
+    elements = []
+    for first, last in pairwise(ends):
+        places = [first + (1.0 + xi) / 2.0 * (last - first) for xi in points]
+        along = [body_at(p, place * length(p)) for place in places]
+        own = [station(along[i], place, first, last - first, i, mesh.gauss) for i, place in enumerate(places)]
+        elements.append([at_place(at, s, loads) for at, s in zip(own, places, strict=True)])
+    return elements
 
 
-def _elements(p: Parameters, mesh: Discretization) -> Iterator[tuple[list[Parameters], Any, slice]]:
+def _elements(p: Parameters, mesh: Discretization, loads: Any) -> Iterator[tuple[list[Parameters], Any, slice]]:
     """Yield each element's stations, length and the place of its coordinates in q, (30) and (31)."""
-    for e, (points, share) in enumerate(zip(stations(p, mesh), mesh.shares, strict=True)):
+    sizes = np.diff(element_ends(p, mesh.shares))
+    for e, (points, h) in enumerate(zip(stations(p, mesh, loads), sizes, strict=True)):
         first = 3 * e * mesh.order
-        yield points, share * length(p), slice(first, first + 3 * (mesh.order + 1))
+        yield points, h, slice(first, first + 3 * (mesh.order + 1))
 
 
 def _weights(mesh: Discretization) -> Any:
@@ -40,7 +46,8 @@ def rest_coordinates(p: Parameters, mesh: Discretization) -> Any:
     """Coordinates of the straight beam in its clamp, (3 n_nodes,)."""
     tilt = p["effects.clamp_tilt"]
     q = np.empty(3 * mesh.nodes.size, dtype=np.result_type(*p.values(), float))
-    s = mesh.nodes * length(p)
+    ends = np.array(element_ends(p, mesh.shares))
+    s = np.concatenate([[0.0], (ends[:-1, None] + np.diff(ends)[:, None] * mesh.local_nodes[None, 1:]).ravel()])
     q[0::3], q[1::3], q[2::3] = s * np.cos(tilt), -s * np.sin(tilt), tilt
     return q
 
@@ -55,7 +62,7 @@ def _springs(p: Parameters, q: Any) -> list[tuple[int, Any, Any]]:
 def energy(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
     """Energy of the whole system [N m]: equilibria are where it is stationary, stable where it is least."""
     total = tip_energy(p, loads, q[-3:])
-    for points, h, place in _elements(p, mesh):
+    for points, h, place in _elements(p, mesh, loads):
         if mesh.family == "se2":
             total = total + se2_energy(points, _weights(mesh), h, q[place], loads[5])
         elif mesh.family == "strain":
@@ -78,7 +85,7 @@ def residual(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
     The clamped node's rows are reactions, but where the clamp gives way.
     """
     total = np.zeros(q.size, dtype=np.result_type(q, *p.values(), float))
-    for points, h, place in _elements(p, mesh):
+    for points, h, place in _elements(p, mesh, loads):
         total[place] += element_force(points, mesh.basis, _weights(mesh), h, q[place], loads[5])
     total[-3:] -= tip_wrench(p, loads, q[-3:])
     for i, moved, stiffness in _springs(p, q):
@@ -89,7 +96,7 @@ def residual(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
 def tangent(p: Parameters, mesh: Discretization, loads: Any, q: Any) -> Any:
     """Derivative of the residual by q, (3 n_nodes, 3 n_nodes), symmetric."""
     K = np.zeros((q.size, q.size))
-    for points, h, place in _elements(p, mesh):
+    for points, h, place in _elements(p, mesh, loads):
         K[place, place] += element_tangent(points, mesh.basis, _weights(mesh), h, q[place])
     K[-3:, -3:] += tip_stiffness(p, loads, q[-3:])
     for i, _, stiffness in _springs(p, q):

@@ -8,7 +8,7 @@ import numpy as np
 from ...mechanism.body import MOST, ROUTES, SHAPES
 from .parameters import Parameters, length
 
-__all__ = ["guide_energy", "guided", "segment_section"]
+__all__ = ["at_place", "body_at", "element_ends", "guide_energy", "guided", "segment_section"]
 
 
 def _segments(p: Parameters) -> list[dict[str, Any]]:
@@ -113,3 +113,53 @@ def guide_energy(strains: Any, offset: Any, slope: Any) -> Any:
     """
     gamma_x, gamma_z, kappa = strains
     return np.sqrt((gamma_x + offset * kappa) ** 2 + (gamma_z + slope) ** 2)
+
+
+def _breaks(p: Parameters) -> list[Any]:
+    """Return where the section's law jumps or bends, and where markers are, from the clamp to the tip [m]."""
+    end, found = 0.0, [length(p)]
+    for i in range(1, MOST["segment"] + 1):
+        end = end + p[f"segment{i}.length"]
+        found.append(end)
+    for i in range(1, MOST["tendon"] + 1):
+        if ROUTES[int(np.real(p[f"tendon{i}.route"]))] == "guided":
+            last = p[f"tendon{i}.ends_at"] if p[f"tendon{i}.ends_at"] != 0.0 else length(p)
+            places = [p[f"tendon{i}.place_{k}"] for k in range(1, int(np.real(p[f"tendon{i}.points"])) + 1)]
+            found += [last, *(place for place in places if np.real(place) < np.real(last))]
+    found += [p[f"marker{i}.place"] for i in range(1, MOST["marker"] + 1)]
+    ends: list[Any] = [0.0]
+    for place in sorted(found, key=np.real):
+        gap = 1e-9 * np.real(length(p))
+        if np.real(ends[-1]) + gap < np.real(place) < np.real(length(p)) - gap:
+            ends.append(place)
+    return [*ends, length(p)]
+
+
+def element_ends(p: Parameters, shares: Any) -> Any:
+    """Return where elements of these shares of the mesh end, from 0 [m]: each piece has an equal share of the mesh."""
+    ends, places = _breaks(p), np.concatenate([[0.0], np.cumsum(shares)])
+    k = len(ends) - 1
+    piece = np.clip(np.ceil(places * k - 1e-9).astype(int) - 1, 0, k - 1)
+    return np.array(
+        [ends[i] + (place * k - i) * (ends[i + 1] - ends[i]) for i, place in zip(piece, places, strict=True)]
+    )
+
+
+def body_at(p: Parameters, s: Any) -> Parameters:
+    """Return the parameters with the stiffnesses and the mass of a segment at a place along the body [m]."""
+    if p["segment1.length"] == 0.0:
+        return p
+    names = "beam.EA", "beam.GA", "beam.EI", "beam.mass_per_length"
+    return {**p, **dict(zip(names, segment_section(p, s), strict=True))}
+
+
+def at_place(p: Parameters, place: Any, loads: Any) -> Parameters:
+    """Return a station's parameters with the guided tendons there: tension [N], offset [m] and slope of each."""
+    if loads is None or p["tendon1.route"] == 0.0:
+        return p
+    own = []
+    for i, offset, slope in guided(p, place * length(p)):
+        reading = loads[i if i < 2 else 5 + i]
+        tension = reading * (1.0 + p[f"tendon{i + 1}.gain"]) + loads[5] * p[f"tendon{i + 1}.zero"]
+        own.append((tension, offset, slope))
+    return {**p, "guides": own}

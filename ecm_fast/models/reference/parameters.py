@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ...mechanism.body import MOST
 from ...mechanism.parameters import PARAMETERS
 
 __all__ = ["Parameters", "beam_weight", "gravity", "length", "named"]
@@ -24,13 +25,14 @@ def gravity(p: Parameters) -> Any:
 
     Source: the paper, (21), where a = 0.
     """
-    tilt = p["effects.gravity_tilt"]
+    tilt = p["gravity.tilt"] + p["effects.gravity_tilt"]
     return -p["gravity.g"] * np.array([np.cos(tilt), np.sin(tilt)])
 
 
 def length(p: Parameters) -> Any:
-    """Length of the beam [m]."""
-    return p["beam.length"] + p["effects.beam_length"]
+    """Length of the beam, or of a body of segments [m]."""
+    segments = sum(p[f"segment{i}.length"] for i in range(1, MOST["segment"] + 1))
+    return (segments if segments != 0.0 else p["beam.length"]) + p["effects.beam_length"]
 
 
 def beam_weight(p: Parameters) -> Any:

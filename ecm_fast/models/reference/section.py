@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from .body import guide_energy
 from .parameters import Parameters, length
 
 __all__ = [
@@ -70,6 +71,7 @@ def section_energy(p: Parameters, strains: Any) -> Any:
         [C6]  a_n EI u^2/2 ((1 + 2 g^-3)/3 - 1)                                     neo-Hookean fibres
         [C7]  a_b EA/(2 h) times the integral of eps^2 over the stretched fibres    bimodulus, h = (12 EI/EA)^1/2
         [C8]  GA a_s gamma_z^4/4 + a_h N0(g) gamma_z^2/2                            nonlinear shear
+        [C9]  the sum of lam |t| over guided tendons, [B4]
     """
     gamma_x, gamma_z, kappa = strains
     EA, GA, EI = p["beam.EA"], p["beam.GA"], p["beam.EI"]
@@ -84,7 +86,8 @@ def section_energy(p: Parameters, strains: Any) -> Any:
     ogden = 2.0 / m**2 * (g**m + 2.0 * g ** (-m / 2.0) - 3.0) - plain
     eps, _, width = _stretched(p, g, u)
     stretched = p["effects.bimodulus"] * EA / (2.0 * _height(p)) * (width @ eps**2)
-    return axial_energy(p, g) + shear + bending + fibres + EA / 3.0 * (mooney + ogden) + stretched
+    guides = sum(tension * guide_energy(strains, *path) for tension, *path in p.get("guides", ()))
+    return axial_energy(p, g) + shear + bending + fibres + EA / 3.0 * (mooney + ogden) + stretched + guides
 
 
 def _turn(p: Parameters, kappa: Any) -> Any:
@@ -142,7 +145,12 @@ def section_law(p: Parameters, strains: Any) -> Any:
     force = p["effects.bimodulus"] * EA / _height(p) * width * eps
     N = N + force.sum()
     M = M + (1.0 if np.real(u) > 0.0 else -1.0) * (force @ zeta)
-    return np.array([N, Q, M + offset * N])
+    M = M + offset * N
+    for tension, o, slope in p.get("guides", ()):
+        t_x, t_z = gamma_x + o * kappa, gamma_z + slope
+        pull = tension / np.sqrt(t_x**2 + t_z**2)
+        N, Q, M = N + pull * t_x, Q + pull * t_z, M + pull * o * t_x
+    return np.array([N, Q, M])
 
 
 def section_stiffness(p: Parameters, strains: Any) -> Any:
