@@ -44,7 +44,7 @@ from .elements.dispatch import kernels_for, take
 from .front import newton_step, work_size
 from .tip import tendon_forces, tip_wrench
 
-__all__ = ["advance", "solve", "solve_work_size"]
+__all__ = ["ROUNDING_FLOOR", "advance", "solve", "solve_work_size", "step_size"]
 
 # below this a step that no longer shrinks is rounding (large EA against EI), not progress
 ROUNDING_FLOOR = 1e-6
@@ -149,7 +149,7 @@ def _correct(tables, stations, tip, loads, q, work, step, out, limit, shrink, mo
         if out[O_ITERATIONS] >= most:
             break
         not_positive, _ = newton_step(tables, stations, tip, loads, q, work, step, out[O_KXX:])
-        size = _step_size(step, tip[T_LENGTH])
+        size = step_size(step, tip[T_LENGTH])
         out[O_ITERATIONS] += 1.0
         at_floor = size < tip[T_TOLERANCE] or (size < ROUNDING_FLOOR and size > 0.5 * before)
         if not (at_floor or size <= limit):
@@ -165,7 +165,7 @@ def _correct(tables, stations, tip, loads, q, work, step, out, limit, shrink, mo
 
 
 @kernel
-def _step_size(step, length):
+def step_size(step, length):
     """Largest entry of a step, lengths as shares of the beam's length; inf when one is not finite."""
     size = 0.0
     for i in range(step.shape[0]):

@@ -126,7 +126,7 @@ def tendon_derivatives(basis, stations, tip, loads, q, work, step, length, gradi
         for i in range(n):
             moved[t, i] = -gradient[t, i]
         solve_factored(band, m - 3, K, moved[t], clamped)
-    lower = step[:6]
+    lower = work[work.shape[0] - 6 :]
     for i in range(6):
         lower[i] = K[i]
     for i in range(3):
