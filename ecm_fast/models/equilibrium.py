@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from ..errors import NotConverged
 from ..kernels import layout
+from ..mechanism.mechanism import Mechanism
 from ..mesh.discretization import Discretization
 from ..mesh.families import FAMILIES
+from .tendon_state import TendonState, unknown_state
 
 __all__ = ["BatchResult", "Equilibrium", "Solution", "Status"]
 
@@ -82,6 +84,12 @@ class Solution(Protocol):
     def derivatives(self) -> tuple[Array, Array]:
         """Return jacobian (3, 2) and compliance (3, 3)."""
 
+    def tendons(self, m: int) -> TendonState:
+        """Return the state of the first `m` tendons."""
+
+    def markers(self, mechanism: Mechanism) -> Array:
+        """Return the poses of a mechanism's markers, (n, 3)."""
+
     def error(self) -> float:
         """Return the estimated discretization error of the tip pose, also where the branch ends below full load."""
 
@@ -105,8 +113,15 @@ class Equilibrium:
         discretization was given by hand
     error : estimate of the discretization error: the largest of abs(dx)/L, abs(dz)/L and abs(dtheta); nan unless
         `converged`. Over random mechanisms and loads the true error is below it in 99 %
-    jacobian : (3, 2) d(x, z, theta)/d(lam_l, lam_r) [m/N, m/N, rad/N]; nan for a slack tendon whose attachment lies
-        inside its pulley, since it has no direction
+    mechanism : what was solved
+    lengths_given : (m,) free lengths of tendons given by length [m], nan for those given by force
+    jacobian : (3, 2) d(x, z, theta)/d(lam_l, lam_r), of named tendons (3, m) [m/N, m/N, rad/N]; nan for a slack tendon
+        whose attachment lies inside its pulley, since it has no direction
+    forces, lengths : (m,) of the tendons, in their order [N, m]; of a chord up to a constant
+    dlength_dlam : (m, m) derivative of the lengths by the tendon forces [m/N]
+    dpose_dlength : (3, m) derivative of the pose by the lengths of tendons given by length; nan for those given by
+        force, 0 for a slack one
+    markers : pose (3,) of every marker by its name [m, m, rad]
     compliance : (3, 3) d(x, z, theta)/d(fx, fz, tau) [m/N ... rad/(N m)], symmetric
     q : (3 n_nodes,) x, z, theta of every node, clamp first [m, m, rad]; of an inner node some families keep other
         unknowns than places, see `families.Family`
@@ -122,6 +137,8 @@ class Equilibrium:
     discretization: Discretization = field(repr=False)
     accuracy: float | None = field(repr=False)
     solution: Solution = field(repr=False, compare=False)
+    mechanism: Mechanism = field(repr=False, compare=False)
+    lengths_given: Array | None = field(default=None, repr=False, compare=False)
 
     @cached_property
     def q(self) -> Array:
@@ -130,9 +147,49 @@ class Equilibrium:
 
     @cached_property
     def _derivatives(self) -> tuple[Array, Array]:
-        if self.converged:
+        if self.converged and self.mechanism.has_pair:
             return self.solution.derivatives()
-        return np.full((3, 2), np.nan), np.full((3, 3), np.nan)
+        return self._tendons.jacobian, self._tendons.compliance
+
+    @cached_property
+    def _tendons(self) -> TendonState:
+        m = len(self.mechanism.tendon_names)
+        return self.solution.tendons(m) if self.converged else unknown_state(m)
+
+    @property
+    def forces(self) -> Array:
+        """Tendon forces, (m,) [N]; those that were found for tendons given by length."""
+        return self._tendons.forces
+
+    @property
+    def lengths(self) -> Array:
+        """Lengths of the tendons' paths, (m,) [m]."""
+        return self._tendons.lengths
+
+    @property
+    def dlength_dlam(self) -> Array:
+        """Derivative of the lengths by the tendon forces, (m, m) [m/N]."""
+        return self._tendons.dlength_dlam
+
+    @property
+    def dpose_dlength(self) -> Array:
+        """Derivative of the pose by the given lengths, (3, m)."""
+        state, m = self._tendons, len(self.mechanism.tendon_names)
+        given = np.isfinite(np.full(m, np.nan) if self.lengths_given is None else self.lengths_given)
+        out = np.where(given, 0.0, np.full((3, m), np.nan))
+        taut = np.flatnonzero(given & (state.forces > 0.0))
+        soft = [self.mechanism.named_tendons[i].compliance for i in taut]
+        by_force = state.dlength_dlam[np.ix_(taut, taut)] - np.diag(soft)
+        out[:, taut] = np.linalg.solve(by_force.T, state.jacobian[:, taut].T).T if taut.size else out[:, taut]
+        return out
+
+    @cached_property
+    def markers(self) -> dict[str, Array]:
+        """Pose (3,) of every marker by its name [m, m, rad]."""
+        names = [marker.name for marker in self.mechanism.markers]
+        missing = np.full((len(names), 3), np.nan)
+        poses = self.solution.markers(self.mechanism) if self.converged and names else missing
+        return dict(zip(names, poses, strict=True))
 
     @property
     def jacobian(self) -> Array:

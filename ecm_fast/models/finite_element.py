@@ -41,6 +41,7 @@ from .refinement import finer, jumps, reached, resolve, stands, work_arrays
 from .sensitivity import Sensitivities, sensitivities
 from .solution import CondensedSolution, NodalSolution
 from .stepper import Stepper
+from .tendons import by_length, given_lengths
 
 __all__ = ["FiniteElementModel"]
 
@@ -164,6 +165,7 @@ class FiniteElementModel:
         lam: ArrayLike | Mapping[str, float] | None = None,
         wrench: ArrayLike = (0.0, 0.0, 0.0),
         *,
+        lengths: ArrayLike | Mapping[str, float] | None = None,
         path: PathChoice = None,
     ) -> Equilibrium:
         """Return the equilibrium on the stable branch that grows from the unloaded state.
@@ -173,6 +175,8 @@ class FiniteElementModel:
         lam : tendon forces, >= 0 [N]: (2,) left, right; of named tendons (m,) in the order of the file, or by name,
             where what is not given is 0. Default: none pulls
         wrench : (3,) dead wrench at Q in world axes: fx, fz [N], tau [N m]
+        lengths : free lengths [m] of named tendons given by length instead of force: by name, or (m,) with nan for the
+            others. Such a tendon is as long as that, plus its compliance times its force, or slack and shorter
         path : ``"ignore"`` or `Stepper.state`, where poses depend on the order of loads
 
         Raises
@@ -182,15 +186,18 @@ class FiniteElementModel:
         """
         model = self.at_state(path, "solve")
         if model is not self:
-            return model.solve(lam, wrench, path="ignore")
+            return model.solve(lam, wrench, lengths=lengths, path="ignore")
         if not isinstance(lam, tuple):
             lam = _in_order(lam, self._names)
-        loads = finite_load(lam, wrench, self._names)
-        fast, sure = self._solve_condensed(loads)
-        if fast is not None and sure:
-            return fast
+        loads, wanted = finite_load(lam, wrench, self._names), None
+        if lengths is not None:
+            wanted, fast = given_lengths(self.mechanism, lengths, loads), None
+        else:
+            fast, sure = self._solve_condensed(loads)
+            if fast is not None and sure:
+                return fast
         loads = np.concatenate([loads, np.zeros(N_LOADS - len(loads))])
-        eq, mesh = fast or self._solve(loads, self.accuracy), self.discretization
+        eq, mesh = fast or self._solve(loads, self.accuracy, wanted), self.discretization
         if self.accuracy is None:
             return eq
         verdict, before, at = eq.verdict, None, jumps(self._par[None])
@@ -199,7 +206,7 @@ class FiniteElementModel:
             if finer_mesh is None:
                 break
             mesh = finer_mesh
-            eq = self._on(mesh)._solve(loads, self.accuracy)
+            eq = self._on(mesh)._solve(loads, self.accuracy, wanted)
             before, verdict = verdict, eq.verdict
         return eq
 
@@ -238,6 +245,7 @@ class FiniteElementModel:
             discretization=self.discretization,
             accuracy=self.accuracy,
             solution=solution,
+            mechanism=self.mechanism,
         )
         return eq, bound <= (self.accuracy or np.inf)
 
@@ -249,8 +257,10 @@ class FiniteElementModel:
             self._finer[mesh] = finer_model
         return self._finer[mesh]
 
-    def _solve(self, loads: Array, accuracy: float | None) -> Equilibrium:
-        """Solve one load case on the model's own discretization."""
+    def _solve(self, loads: Array, accuracy: float | None, wanted: Array | None = None) -> Equilibrium:
+        """Solve one load case on the model's own discretization; `wanted` : see `tendons.by_length`."""
+        if wanted is not None:
+            return self._solve_lengths(loads, accuracy, wanted)
         stations, tip, q_rest = self._system[:3]
         # of this call alone: other threads may be solving
         q, work, out = np.empty_like(self._system[3]), np.zeros_like(self._system[4]), np.empty(N_OUT)
@@ -269,6 +279,27 @@ class FiniteElementModel:
             discretization=self.discretization,
             accuracy=accuracy,
             solution=NodalSolution(self.discretization, self._par, loads, q),
+            mechanism=self.mechanism,
+        )
+
+    def _solve_lengths(self, loads: Array, accuracy: float | None, wanted: Array) -> Equilibrium:
+        """Solve one case with tendons given by length."""
+        found = by_length(self.discretization, self._par, loads, wanted)
+        status = Status(found.status)
+        x, z, theta = found.q[-3:].tolist() if status.converged else 3 * [np.nan]
+        return Equilibrium(
+            x=x,
+            z=z,
+            theta=theta,
+            status=status,
+            iterations=found.iterations,
+            load_factor=found.factor,
+            preload_factor=1.0,
+            discretization=self.discretization,
+            accuracy=accuracy,
+            solution=NodalSolution(self.discretization, found.par, found.loads, found.q, wanted),
+            mechanism=self.mechanism,
+            lengths_given=wanted,
         )
 
     def solve_batch(

@@ -9,11 +9,18 @@ from numpy.typing import NDArray
 from ..kernels.general.sensitivity import tip_derivatives
 from ..kernels.layout import R_FX, R_FZ, R_LAM_L, R_LAM_R, R_TAU
 from ..kernels.prepare import prepare
+from ..mechanism.mechanism import Mechanism
 from ..mechanism.vector import check_tail
 from ..mesh.discretization import Discretization
+from .body import lengths_of
+from .equilibrium import Status
 from .loads import loads_of
+from .markers import marker_poses
 from .paths.condensed import Condensation
 from .refinement import Solutions, errors, work_arrays
+from .tendon_state import TendonState
+from .tendons import by_length, tendon_state
+from .tendons import without_given as _without
 
 __all__ = ["CondensedSolution", "NodalSolution"]
 
@@ -30,15 +37,17 @@ class NodalSolution:
     par : (n_parameters,) the mechanism
     loads : (N_LOADS,) those at which `q` is in equilibrium
     q : (3 n_nodes,)
+    wanted : (m,) free lengths of tendons given by length [m], nan for those given by force; None: all by force
     """
 
     mesh: Discretization
     par: Array
     loads: Array
     q: Array
+    wanted: Array | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (self.mesh, self.par, self.loads, self.q)
+        return _restored, (self.mesh, self.par, self.loads, self.q, self.wanted)
 
     def nodes(self) -> Array:
         """Return all nodes, (3 n_nodes,)."""
@@ -52,8 +61,20 @@ class NodalSolution:
         tip_derivatives(mesh.tables, stations, tip, self.loads, self.q, work, step, compliance, jacobian)
         return jacobian, compliance
 
+    def tendons(self, m: int) -> TendonState:
+        """Return the state of the first `m` tendons."""
+        return tendon_state(self.mesh, self.par, self.loads, self.q, m)
+
+    def markers(self, mechanism: Mechanism) -> Array:
+        """Return the poses of the mechanism's markers, (n, 3): solved again on elements that end there."""
+        return marker_poses(mechanism, self.mesh, self.par, self.loads, self.wanted)
+
     def error(self) -> float:
         """Return the estimated discretization error of the tip pose."""
+        if self.wanted is not None:  # the forces change with the mesh, too: twice what halving changes, as elsewhere
+            again = by_length(self.mesh.halved, self.par, _without(self.loads, self.wanted), self.wanted)
+            off = np.abs(again.q[-3:] - self.q[-3:]) / [*2 * [lengths_of(self.par[None])[0]], 1.0]
+            return 2.0 * float(off.max()) if again.status <= Status.UNSTABLE else float("inf")
         found = Solutions(self.q[None], np.zeros(1, dtype=np.int64), self.q[None, -3:], np.ones(1))
         return float(errors(self.mesh, self.par[None], self.loads[None], found)[0])
 
@@ -88,6 +109,14 @@ class CondensedSolution:
         """Return the estimated discretization error of the tip pose."""
         return self._nodal().error()
 
+    def tendons(self, m: int) -> TendonState:
+        """Return the state of the first `m` tendons."""
+        return self._nodal().tendons(m)
+
+    def markers(self, mechanism: Mechanism) -> Array:
+        """Return the poses of the mechanism's markers, (n, 3)."""
+        return self._nodal().markers(mechanism)
+
     def _nodal(self) -> NodalSolution:
         """Return the same solution by its nodes."""
         row = self.state[[R_LAM_L, R_LAM_R, R_FX, R_FZ, R_TAU]]
@@ -95,7 +124,7 @@ class CondensedSolution:
         return NodalSolution(self.condensation.mesh, self.par, loads, self.nodes())
 
 
-def _restored(mesh: Discretization, par: Array, loads: Array, q: Array) -> NodalSolution:
+def _restored(mesh: Discretization, par: Array, loads: Array, q: Array, wanted: Array | None) -> NodalSolution:
     """Return a solution from a pickle, or raise where its effects of the user's own are not those of this process."""
     check_tail(par[None])
-    return NodalSolution(mesh, par, loads, q)
+    return NodalSolution(mesh, par, loads, q, wanted)

@@ -189,8 +189,8 @@ def solve_lengths(basis, stations, tip, given, wanted, soft, loads, q, work, roo
     q : (3 n_nodes,)      a stable equilibrium; overwritten
     work : see `newton.solve_work_size`; room : see `lengths_work_size`
 
-    Returns a status of `layout`, or `LENGTHS_DEPEND`. The lengths go from those of `q` to the wanted ones in strides
-    that the solver chooses.
+    Returns a status of `layout`, or `LENGTHS_DEPEND`, and which share of the way was gone. The lengths go from those of
+    `q` to the wanted ones in strides that the solver chooses.
     """
     n = q.shape[0]
     kept = room[room.shape[0] - n - N_LOADS - N_TENDONS :]
@@ -215,11 +215,11 @@ def solve_lengths(basis, stations, tip, given, wanted, soft, loads, q, work, roo
             copy(q, last_q)
             copy(loads, last_loads)
             if share == 1.0:
-                return status
+                return status, 1.0
         else:
             stride *= 0.4
         if stride < LEAST_STRIDE or status == LENGTHS_DEPEND:
             break
     copy(last_q, q)
     copy(last_loads, loads)
-    return status if status in (LENGTHS_DEPEND, UNSTABLE) else NOT_CONVERGED
+    return (status if status in (LENGTHS_DEPEND, UNSTABLE) else NOT_CONVERGED), reached
