@@ -344,7 +344,7 @@ SOLVE = ("solve", "--tendons", "1", "2")
         ((), "the following arguments are required: COMMAND; see ecm-fast --help"),
         (("slove",), f"no command 'slove' (did you mean 'solve'?); allowed are {COMMANDS}"),
         (("42",), f"no command '42'; allowed are {COMMANDS}"),
-        (("solve",), "the following arguments are required: --tendons; see ecm-fast solve --help"),
+        (("solve",), "--tendons L R is missing: the forces of the left and the right tendon [N]"),
         (("predict",), "the following arguments are required: DATA; see ecm-fast predict --help"),
         (("solve", "--tendons", "1"), "argument --tendons: expected 2 arguments, L R; see ecm-fast solve --help"),
         (("solve", "--tendons", "nan", "3"), f"argument --tendons: 'nan': {TENSION}"),
