@@ -38,6 +38,7 @@ _ROUNDS = 12
 _NEAR_ENOUGH = 0.1  # standard deviations: where the weights change anyway, a better minimum is not worth its solves
 _SAME_WEIGHTS = 1e-3
 _FEWEST_ROWS, _FEWEST_DOF = 3, 1.0  # that an interval is taken from where the fit itself tells the noise
+_LOST = 1e3  # standard deviation over the value of a stiffness from which on its flexibility is as good as none
 _HIDDEN = 0.05  # share of a direction that is not seen, from which on a parameter is part of it
 
 
@@ -282,7 +283,7 @@ class _Fit:
     ) -> Identification:
         rows, values, count = self.rows, minimum.values, int(self.used.sum())
         data_rows = minimum.residual.size - objective.plain
-        scale = np.maximum(np.abs(values), [find(name).typical for name in rows.names])
+        stiffness, scale = self._scale(values)
         singular, directions = visible(minimum.jacobian[:data_rows], scale)
         curvature = self._covariance(minimum, scale, objective.plain)
         covariance, freedom = curvature, np.full(len(values), noise.dof)
@@ -297,11 +298,13 @@ class _Fit:
             covariance[untold, untold] = np.inf
         std = np.sqrt(np.diag(covariance))
         reach = np.array([t_quantile(self.level, float(nu)) for nu in freedom])
+        ends = np.clip(_interval(values, reach * std, stiffness), self.lower, self.upper)
+        low, high = np.where(np.isfinite(std), ends, [[-np.inf], [np.inf]])
         with np.errstate(invalid="ignore"):
-            low = np.where(np.isfinite(std), np.maximum(values - reach * std, self.lower), -np.inf)
-            high = np.where(np.isfinite(std), np.minimum(values + reach * std, self.upper), np.inf)
-            correlation = np.where(np.isfinite(np.outer(std, std)), covariance / np.outer(std, std), np.nan)
             widened = std / np.sqrt(np.diag(curvature))
+            lost = stiffness & (std > _LOST * values)
+            covariance[lost, lost], std[lost] = np.inf, np.inf
+            correlation = np.where(np.isfinite(np.outer(std, std)), covariance / np.outer(std, std), np.nan)
         estimates = {
             name: Estimate(
                 float(values[i]), float(std[i]), float(low[i]), float(high[i]), find(name).unit, float(freedom[i])
@@ -330,6 +333,16 @@ class _Fit:
             _objective=objective,
         )
         return in_words(result, self.prior, (singular, directions), rows.measured, known=spread is None)
+
+    def _scale(self, values: Array) -> tuple[Mask, Array]:
+        """Return which parameters are stiffnesses, (p,), and the sizes of changes that count as one, (p,).
+
+        Of a stiffness beyond its start that of its flexibility counts: from some size on, larger is the same.
+        """
+        stiffness = np.isin(self.rows.places, [index(name) for name in STIFFNESSES])
+        size = np.maximum(np.abs(values), [find(name).typical for name in self.rows.names])
+        start = np.where(stiffness, pack(self.rows.sets[0].mechanism)[self.rows.places], 1.0)
+        return stiffness, np.where(stiffness, size * np.maximum(values / start, 1.0), size)
 
     def _covariance(self, minimum: Minimum, scale: Array, plain: int) -> Array:
         """Return the covariance of the parameters, (p, p), inf for those that nothing sees.
@@ -395,6 +408,18 @@ def _prior(names: Sequence[str], priors: Priors) -> Array:
         center = find(name).check(value)
         table[row] = places.index(index(name)), center, prior_std(name, center, std)
     return table
+
+
+def _interval(values: Array, reach: Array, stiffness: Mask) -> Array:
+    """Return the ends of intervals, (2, p), that reach equally far to both sides: of stiffnesses in 1/value.
+
+    Poses are nearly linear in the flexibilities 1/EA, 1/GA and 1/EI, however well these are known.
+    """
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = reach / values
+        low = np.where(stiffness, values / (1.0 + share), values - reach)
+        high = np.where(stiffness, np.where(share < 1.0, values / (1.0 - share), np.inf), values + reach)
+    return np.stack([low, high])
 
 
 def _same(before: Array, after: Array) -> bool:

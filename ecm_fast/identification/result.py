@@ -34,7 +34,8 @@ class Estimate:
     ----------
     value : where the sum of squares is smallest
     std : standard deviation; inf where the data do not see the parameter, or too few tell their noise
-    lower, upper : interval, `value` less and plus a quantile times `std`, cut at the parameter's bounds
+    lower, upper : interval, `value` less and plus a quantile times `std`, cut at the parameter's bounds; of EA, GA and
+        EI the same of 1/value, in which poses are nearly linear
     unit : of all four
     dof : degrees of freedom of the quantile, Student's t; inf (Gaussian) where the noise is declared
     """
@@ -199,7 +200,7 @@ class Identification:
             why = "too few readings tell their noise" if untold else "the data do not see it"
             raise InputError(f"{name} has no profile: {why}")
         best, target = self.values, float(self._reach[place])
-        step = max(estimate.upper - estimate.value, estimate.value - estimate.lower)
+        step = target * estimate.std
         floor = self._objective.held(place, estimate.value, best).total
         known = {estimate.value: (0.0, best)}
 

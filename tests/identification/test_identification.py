@@ -353,7 +353,8 @@ def test_noise_from_replicates_and_from_the_residual():
     assert lonely.chi2 == pytest.approx(lonely.dof, rel=1e-2)
     # Student's t for 60 degrees of freedom, see any table: 1.671
     assert repeated["EI"].dof == 60.0
-    assert repeated["EI"].upper - repeated["EI"].value == pytest.approx(1.671 * repeated["EI"].std, rel=3e-4)
+    EI = repeated["EI"]
+    assert 1.0 / EI.value - 1.0 / EI.upper == pytest.approx(1.671 * EI.std / EI.value**2, rel=3e-4)
     wider = identify(Mechanism(), replace(data, sigma_z=np.full(data.n, 5e-5)), STIFFNESSES)
     assert wider.noise == {"x": "replicates", "z": "declared", "theta": "replicates"}
 
