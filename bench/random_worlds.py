@@ -9,12 +9,14 @@ World i of a seed is always the same, so a run can be cut into chunks.
 
 import argparse
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ecm_fast import FiniteElementModel, Status
+from ecm_fast.errors import InputError
 from ecm_fast.mechanism.catalogue import CATALOGUE
 from ecm_fast.mechanism.mechanism import Mechanism
 from ecm_fast.mechanism.parameters import find
@@ -45,8 +47,14 @@ class World:
 
 
 def world(seed: int, i: int) -> World:
-    """Return world `i` of a seed."""
+    """Return world `i` of a seed: the first one drawn whose effects leave the mechanism possible."""
     rng = np.random.default_rng([seed, i])
+    while True:
+        with suppress(InputError):
+            return _drawn_world(rng)
+
+
+def _drawn_world(rng: np.random.Generator) -> World:
     length, EI = 10.0 ** rng.uniform(*LENGTH), 10.0 ** rng.uniform(*BENDING)
     unit = EI / length**2
     size = unit * 10.0 ** rng.uniform(*FORCE)
