@@ -33,7 +33,7 @@ from . import (
 )
 from ._arguments import parse
 from ._command import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED
-from ._interrupt import interrupts_after_imports
+from ._interrupt import interrupts_kept
 from ._terminal import note, write
 
 __all__ = ["COMMANDS", "main"]
@@ -65,7 +65,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     # matrices are small here: threads of the linear algebra library would only fight over the cores
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
-        with inputs_kept(), interrupts_after_imports():
+        with inputs_kept(), interrupts_kept():
             return _run(list(sys.argv[1:] if argv is None else argv))
     except InputError as error:
         return _failed(str(error), BAD_INPUT)

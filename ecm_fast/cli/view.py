@@ -28,7 +28,7 @@ def _run(args: argparse.Namespace) -> Answer:
     make().frame({"id": 0})  # compiles what is needed before anybody waits for it
     with Page(make, args.port) as page:
         note(f"{page.url} (Ctrl-C ends)")
-        before = signal.signal(signal.SIGTERM, _interrupt)
+        before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
         if not args.no_browser:
             import webbrowser
 
@@ -38,7 +38,8 @@ def _run(args: argparse.Namespace) -> Answer:
         except KeyboardInterrupt:
             pass
         finally:
-            signal.signal(signal.SIGTERM, before)
+            for number, handler in before.items():
+                signal.signal(number, handler)
     answer: dict[str, Any] = {"url": page.url, "frames": page.frames}
     return Answer(answer, f"{page.frames} frames shown")
 

@@ -172,6 +172,48 @@ def test_next_says_what_is_wrong_with_a_damaged_result(run: Run, monkeypatch: py
 
 # interrupts
 
+LOST = """
+import atexit, signal, sys, time
+
+class Lost:  # an exception in its __del__ has nowhere to go
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+class Swallowed:
+    def __init__(self):
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except BaseException:
+            pass
+
+class Finder:
+    @staticmethod
+    def find_spec(name, *_):
+        if name == "{module}":
+            {where}()
+
+sys.meta_path.insert(0, Finder)
+if "{module}" == "the end":
+    atexit.register({where})
+sys.argv = ["ecm-fast", "solve", "--tendons", "1", "2"]
+from ecm_fast.__main__ import main
+if "{module}" == "the command":
+    from ecm_fast import cli
+    cli.COMMANDS["solve"].__dict__["run"] = lambda args: [{where}() and None, time.sleep(9)]
+sys.exit(main())
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+@pytest.mark.parametrize("where", ["Lost", "Swallowed"])
+@pytest.mark.parametrize("module", ["ecm_fast.cli.sweep", "the command", "numpy", "numba.core", "the end"])
+def test_an_interrupt_is_never_lost(tmp_path: Path, module: str, where: str) -> None:
+    """POSIX: an interrupted command ends with 130, though Python drops an exception of `__del__` and prints it."""
+    code = LOST.format(module=module, where=where)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, timeout=60)
+    assert (done.returncode, done.stderr) == (130, "ecm-fast: interrupted\n")
+    assert (done.stdout == "") == (module != "the end")
+
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 @pytest.mark.parametrize("delay", [0.05, 0.1, 0.2, 0.4, 0.7])
