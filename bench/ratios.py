@@ -117,7 +117,7 @@ def _calls() -> dict[str, Way]:
         room[5:] = band
         ways[f"solve_banded {n}"] = lambda band=band, right=right: solve_banded((5, 5), band, right)
         ways[f"dgbsv {n}"] = lambda room=room, right=right: lapack.dgbsv(5, 5, room, right)
-        fast = MODELS[f"{n} linear"]._condensed
+        fast = MODELS[f"{n} linear"]._single.fast
         one, many = (LOADS[:1], NONE, 1e-10, columns(1)), (LOADS[:64], NONE, 1e-10, columns(64))
         ways[f"chain {n}"] = lambda fast=fast, args=one: fast.solve(*args)
         ways[f"chain {n} in batch"] = lambda fast=fast, args=many: fast.solve(*args)
@@ -129,7 +129,7 @@ def _calls() -> dict[str, Way]:
 def _batches() -> dict[str, Way]:
     """Return batches of `BATCH` cases, as kernels alone and as called from Python."""
     model, lam, zeros = MODELS["order 4"], LOADS[:BATCH], np.zeros((BATCH, 3))
-    fast, out = model._condensed, columns(BATCH)
+    fast, out = model._single.fast, columns(BATCH)
     guess = fast.fit_guess(160.0, np.zeros(3))
     points, room = np.ascontiguousarray(BATCH_POSES.T), np.empty((3, BATCH))
     many = POLY.polynomial._kernels.many
@@ -148,7 +148,7 @@ def _batches() -> dict[str, Way]:
 
 def _kernels() -> dict[str, Way]:
     """Return the step of the batches, and the arithmetic the processor can do at best."""
-    fast = MODELS["order 4"]._condensed
+    fast = MODELS["order 4"]._single.fast
     state = fast.solve(LOADS[:LANES], NONE, 1e-10, columns(LANES))
     con, points = fast.con, gauss_points(4)
 

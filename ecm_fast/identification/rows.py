@@ -66,14 +66,14 @@ class State:
     values : (p,)
     pose : (n, 3) [m, m, rad], nan without an equilibrium
     by : (n, 3, p) the pose's derivatives by the parameters
-    by_force : (n, 3, 2) by the tendon forces
+    dpose_dlam : (n, 3, 2) by the tendon forces
     status : (n,) values of `Status`
     """
 
     values: Array
     pose: Array
     by: Array = field(repr=False)
-    by_force: Array = field(repr=False)
+    dpose_dlam: Array = field(repr=False)
     status: NDArray[np.int64] = field(repr=False)
 
     @property
@@ -91,7 +91,7 @@ class State:
 
         status = np.full(n, Status.NOT_CONVERGED, dtype=np.int64)
         status[rows] = self.status
-        return State(self.values, spread(self.pose), spread(self.by), spread(self.by_force), status)
+        return State(self.values, spread(self.pose), spread(self.by), spread(self.dpose_dlam), status)
 
 
 def common_mesh(sets: Sequence[FitSet], start: Discretization | None = None) -> tuple[Discretization, int]:
@@ -177,7 +177,7 @@ class FitRows:
         self.solves += sum(chain.n for chain in self._chains)
         found = [
             np.concatenate([getattr(part, name) for part in parts]) if len(parts) > 1 else getattr(parts[0], name)
-            for name in ("pose", "by_parameter", "jacobian", "status")
+            for name in ("pose", "dpose_dpar", "jacobian", "status")
         ]
         state = State(values.copy(), *found)
         self._memory = [state, *self._memory[: _REMEMBERED - 1]]
@@ -303,7 +303,7 @@ class Noise:
         """Return the covariance that the force cells' noise makes in the pose, (n, 3, 3)."""
         if not self.force.any():
             return np.zeros((len(state.pose), 3, 3))
-        scaled = np.nan_to_num(state.by_force) * self.force[:, None, None]
+        scaled = np.nan_to_num(state.dpose_dlam) * self.force[:, None, None]
         return scaled @ scaled.transpose(0, 2, 1)
 
     def whitening(self, sigma: Array, state: State, used: Mask) -> Array:

@@ -31,7 +31,7 @@ def solve_cases(
     par: Array,
     lam: Array,
     wrench: Array,
-    last2: float,
+    step_tol2: float,
     threads: int,
     result: BatchResult | None = None,
     accuracy: float | None = None,
@@ -42,7 +42,7 @@ def solve_cases(
     ----------
     fast : the fast path of the one mechanism
     par : (1, n_parameters) that mechanism; or (n, n_parameters), one for each case
-    lam : (n, 2), wrench : (1 or n, 3), last2 : largest squared last step of Newton's method
+    lam : (n, 2), wrench : (1 or n, 3), step_tol2 : largest squared last step of Newton's method
     result : overwritten and returned; none: a new one
     accuracy : discretization error that is kept by refining what needs it; None: nothing is refined
     """
@@ -64,15 +64,15 @@ def solve_cases(
             own[4].fill(np.inf)
         loads = lam[rows], wrench if len(wrench) == 1 else wrench[rows]
         if fast is not None:
-            fast.solve(*loads, last2, own, guess)
+            fast.solve(*loads, step_tol2, own, guess)
         elif len(par) == n:
-            solve_mechanisms(mesh, par[rows], *loads, last2, own)
+            solve_mechanisms(mesh, par[rows], *loads, step_tol2, own)
         open_ = own[3] != Status.CONVERGED
         if accuracy is not None:
             open_ |= ~(own[4] <= accuracy)
         todo = rows.start + np.flatnonzero(open_)
         if todo.size:
-            error = _finish(mesh, todo, par, lam, wrench, last2, out, factor, accuracy)
+            error = _finish(mesh, todo, par, lam, wrench, step_tol2, out, factor, accuracy)
             settled.append((todo, error))
             for column in own[:3]:
                 column[own[3] > Status.UNSTABLE] = np.nan
@@ -84,7 +84,7 @@ def solve_cases(
         for column in out[:3]:
             column[refused] = np.nan
     known = [] if accuracy is None else settled
-    result.postpone(accuracy, functools.partial(_errors, mesh, par, lam.copy(), wrench.copy(), last2, known))
+    result.postpone(accuracy, functools.partial(_errors, mesh, par, lam.copy(), wrench.copy(), step_tol2, known))
     return result
 
 
@@ -94,14 +94,14 @@ def _finish(
     par: Array,
     lam: Array,
     wrench: Array,
-    last2: float,
+    step_tol2: float,
     out: tuple[Array, Array, Array, NDArray[np.int64]],
     factor: Array,
     accuracy: float | None,
 ) -> Array:
     """Solve the cases `todo` on the general path, or refine what may be inaccurate; return the errors if estimated."""
     own, loads = par if len(par) == 1 else par[todo], (lam[todo], wrench if len(wrench) == 1 else wrench[todo])
-    found = solutions(mesh, own, *loads, last2)
+    found = solutions(mesh, own, *loads, step_tol2)
     pose, status, load_factor, error = found.pose, found.status, found.load_factor, np.full(todo.size, np.nan)
     if accuracy is not None:
         error = errors(mesh, own, loads_of(*loads), found)
@@ -114,7 +114,7 @@ def _finish(
             )
             verdict = status[left], load_factor[left], error[left]
             pose[left], status[left], load_factor[left], error[left] = solve_refined(
-                mesh, *rest, last2, accuracy, verdict
+                mesh, *rest, step_tol2, accuracy, verdict
             )
     for column, values in zip(out, (*pose.T, status), strict=True):
         column[todo] = values
@@ -127,7 +127,7 @@ def _errors(
     par: Array,
     lam: Array,
     wrench: Array,
-    last2: float,
+    step_tol2: float,
     known: list[tuple[NDArray[np.intp], Array]],
 ) -> Array:
     """Return the estimated discretization errors of many cases, (n,), nan where there is no equilibrium.
@@ -138,7 +138,7 @@ def _errors(
     for rows, values in known:
         error[rows], rest[rows] = values, False
     own = par if len(par) == 1 else par[rest], lam[rest], wrench if len(wrench) == 1 else wrench[rest]
-    found = solutions(mesh, *own, last2)
+    found = solutions(mesh, *own, step_tol2)
     estimate = errors(mesh, own[0], loads_of(*own[1:]), found)
     error[rest] = np.where(found.status <= Status.UNSTABLE, estimate, np.nan)
     return error

@@ -4,27 +4,22 @@ import threading
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
-from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, real, shown
-from ..kernels.general.newton import solve
-from ..kernels.layout import L_FX, L_GRAVITY, N_LOADS, N_OUT, O_FACTOR, O_ITERATIONS, O_PRELOAD, O_THETA, O_X, O_Z
-from ..kernels.prepare import prepare
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.vector import pack
 from ..mesh.discretization import Discretization
 from ..mesh.families import find_family
-from .batch import fast_path, solve_cases
+from .batch import solve_cases
 from .body import divide
-from .equilibrium import BatchResult, Equilibrium, Status
+from .equilibrium import BatchResult, Equilibrium
 from .instruments.history import path_effects
 from .inverse import Inverse
 from .loads import (
-    MIN_TOLERANCE,
     Names,
     finite_load,
     forces_by_name,
@@ -32,16 +27,14 @@ from .loads import (
     many_loads,
     one_load,
     parameter_rows,
-    pushing,
 )
 from .path_state import PathChoice, PathState, check_order
-from .paths.chain import Chain
-from .paths.condensed import ColdSolve, Condensation
-from .refinement import finer, jumps, reached, resolve, stands, work_arrays
+from .paths.condensed import Condensation
+from .refinement import resolve
 from .sensitivity import Sensitivities, sensitivities
-from .solution import CondensedSolution, NodalSolution
+from .single import SingleSolver
 from .stepper import Stepper
-from .tendons import by_length, given_lengths
+from .tendons import given_lengths
 
 __all__ = ["FiniteElementModel"]
 
@@ -116,12 +109,9 @@ class FiniteElementModel:
         self._par = pack(replace(self.mechanism, markers=()))  # which are no part of the statics
         self._names = self.mechanism.tendon_names
         self._path_effects = path_effects(self._par)
-        self._system = work_arrays(self.discretization)
-        self._finer: dict[Discretization, FiniteElementModel] = {}
-        stations, tip, q_rest, _, _ = self._system
+        self._single = SingleSolver(self.mechanism, self.discretization, self._par)
         self._inverse: tuple[tuple[float, ...], Inverse] | None = None
-        self._lock, self._thread = threading.Lock(), threading.local()
-        prepare(self._par, self.discretization.mesh, self.discretization.nodes, stations, tip, q_rest)
+        self._lock = threading.Lock()
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in vars(self).items() if not name.startswith("_")}
@@ -130,21 +120,16 @@ class FiniteElementModel:
         vars(self).update(state)
         self._prepare()
 
-    @cached_property
-    def _condensed(self) -> Condensation | Chain | None:
-        """The fast path, made when first needed; None where it does not apply."""
-        return fast_path(self.discretization, *self._system[:3])
-
     @property
     def path(self) -> Literal["condensed", "chain", "general"]:
         """The quickest way of solving that the mechanism and its discretization permit."""
-        fast = self._condensed
+        fast = self._single.fast
         return "general" if fast is None else "condensed" if isinstance(fast, Condensation) else "chain"
 
     @property
     def tip(self) -> Array:
         """Constants of the head plate as the kernels take them, (N_TIP,), see `kernels.layout`; a copy."""
-        return self._system[1].copy()
+        return self._single.system[1].copy()
 
     def at_state(self, path: PathChoice, what: str) -> "FiniteElementModel":
         """Return the model that `what`, which knows no order of loads, may solve: with `path`, see `solve`.
@@ -189,118 +174,9 @@ class FiniteElementModel:
             return model.solve(lam, wrench, lengths=lengths, path="ignore")
         if not isinstance(lam, tuple):
             lam = _in_order(lam, self._names)
-        loads, wanted = finite_load(lam, wrench, self._names), None
-        if lengths is not None:
-            wanted, fast = given_lengths(self.mechanism, lengths, loads), None
-        else:
-            fast, sure = self._solve_condensed(loads)
-            if fast is not None and sure:
-                return fast
-        loads = np.concatenate([loads, np.zeros(N_LOADS - len(loads))])
-        eq, mesh = fast or self._solve(loads, self.accuracy, wanted), self.discretization
-        if self.accuracy is None:
-            return eq
-        verdict, before, at = eq.verdict, None, jumps(self._par[None])
-        while not stands(verdict, self.accuracy, before):
-            finer_mesh = finer(mesh, verdict[2], self.accuracy, at)
-            if finer_mesh is None:
-                break
-            mesh = finer_mesh
-            eq = self._on(mesh)._solve(loads, self.accuracy, wanted)
-            before, verdict = verdict, eq.verdict
-        return eq
-
-    @cached_property
-    def _cells_are_off(self) -> bool:
-        """Whether a force cell reads another force than acts, so that a reading may mean a tendon that pushes."""
-        return pushing(self._par[None], np.zeros((1, 2))) is not None
-
-    @property
-    def _cold(self) -> ColdSolve | None:
-        """The condensed path's solve of one load case, of the calling thread; None where it does not apply."""
-        if not hasattr(self._thread, "cold"):
-            fast = self._condensed
-            self._thread.cold = fast.cold(last_step(MIN_TOLERANCE)) if isinstance(fast, Condensation) else None
-        cold: ColdSolve | None = self._thread.cold
-        return cold
-
-    def _solve_condensed(self, loads: Array | tuple[float, ...]) -> tuple[Equilibrium | None, bool]:
-        """Solve one load case on the condensed path, and say whether it surely keeps the accuracy; None: no verdict."""
-        cold = self._cold
-        if cold is None or (self._cells_are_off and pushing(self._par[None], np.array([loads[:L_FX]]))):
-            return None, False
-        x, z, theta, bound, steps = cold(*loads[:L_GRAVITY])
-        if steps == 0:
-            return None, False
-        assert isinstance(self._condensed, Condensation)
-        solution = CondensedSolution(self._condensed, self._par, cold.state())
-        eq = Equilibrium(
-            x=x,
-            z=z,
-            theta=theta,
-            status=Status.CONVERGED,
-            iterations=steps,
-            load_factor=1.0,
-            preload_factor=1.0,
-            discretization=self.discretization,
-            accuracy=self.accuracy,
-            solution=solution,
-            mechanism=self.mechanism,
-        )
-        return eq, bound <= (self.accuracy or np.inf)
-
-    def _on(self, mesh: Discretization) -> "FiniteElementModel":
-        """Return the model of the same mechanism on another discretization."""
-        if mesh not in self._finer:
-            finer_model = copy(self)
-            finer_model.__setstate__({"accuracy": None, "discretization": mesh})
-            self._finer[mesh] = finer_model
-        return self._finer[mesh]
-
-    def _solve(self, loads: Array, accuracy: float | None, wanted: Array | None = None) -> Equilibrium:
-        """Solve one load case on the model's own discretization; `wanted` : see `tendons.by_length`."""
-        if wanted is not None:
-            return self._solve_lengths(loads, accuracy, wanted)
-        stations, tip, q_rest = self._system[:3]
-        # of this call alone: other threads may be solving
-        q, work, out = np.empty_like(self._system[3]), np.zeros_like(self._system[4]), np.empty(N_OUT)
-        status = Status(solve(self.discretization.tables, stations, tip, q_rest, loads, q, work, out))
-        if not status.converged:
-            out[[O_X, O_Z, O_THETA]] = np.nan
-            loads = reached(loads, out[O_FACTOR])
-        return Equilibrium(
-            x=float(out[O_X]),
-            z=float(out[O_Z]),
-            theta=float(out[O_THETA]),
-            status=status,
-            iterations=int(out[O_ITERATIONS]),
-            load_factor=float(out[O_FACTOR]),
-            preload_factor=float(out[O_PRELOAD]),
-            discretization=self.discretization,
-            accuracy=accuracy,
-            solution=NodalSolution(self.discretization, self._par, loads, q),
-            mechanism=self.mechanism,
-        )
-
-    def _solve_lengths(self, loads: Array, accuracy: float | None, wanted: Array) -> Equilibrium:
-        """Solve one case with tendons given by length."""
-        found = by_length(self.discretization, self._par, loads, wanted)
-        status = Status(found.status)
-        x, z, theta = found.q[-3:].tolist() if status.converged else 3 * [np.nan]
-        return Equilibrium(
-            x=x,
-            z=z,
-            theta=theta,
-            status=status,
-            iterations=found.iterations,
-            load_factor=found.factor,
-            preload_factor=1.0,
-            discretization=self.discretization,
-            accuracy=accuracy,
-            solution=NodalSolution(self.discretization, found.par, found.loads, found.q, wanted),
-            mechanism=self.mechanism,
-            lengths_given=wanted,
-        )
+        loads = finite_load(lam, wrench, self._names)
+        wanted = None if lengths is None else given_lengths(self.mechanism, lengths, loads)
+        return self._single.solve(loads, wanted, self.accuracy)
 
     def solve_batch(
         self,
@@ -334,14 +210,16 @@ class FiniteElementModel:
         if parameters is None and (model := self.at_state(path, "solve_batch")) is not self:
             return model.solve_batch(lam, wrench, tolerance=tolerance, threads=threads, out=out)
         tensions, dead = many_loads(lam, wrench, self._names)
-        last2, mesh = last_step(tolerance), self.discretization
+        step_tol2, mesh = last_step(tolerance), self.discretization
         if out is not None and len(out) != len(tensions):
             raise InputError(f"out has {len(out)} cases: allowed is {len(tensions)}, as many as there are loads")
         if parameters is not None:
             par = parameter_rows(parameters, len(tensions))
             _check_rows(par, path, "solve_batch")
-            return solve_cases(mesh, None, par, tensions, dead, last2, threads, out, self.accuracy)
-        return solve_cases(mesh, self._condensed, self._par[None], tensions, dead, last2, threads, out, self.accuracy)
+            return solve_cases(mesh, None, par, tensions, dead, step_tol2, threads, out, self.accuracy)
+        return solve_cases(
+            mesh, self._single.fast, self._par[None], tensions, dead, step_tol2, threads, out, self.accuracy
+        )
 
     def sensitivities(
         self,

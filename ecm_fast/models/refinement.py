@@ -43,7 +43,7 @@ ROUGH = 1e-2
 # differ by no more than this share of the load: near its end the tangent is singular, and the estimate large
 BRANCH_END = 1e-3
 # largest squared last Newton step that leaves nothing beside a discretization error
-LAST2 = 1e-13
+STEP_TOL2 = 1e-13
 # more different places of jumps than this in one batch: no element ends at them
 MOST_JUMPS = 8
 
@@ -87,15 +87,15 @@ def reached(loads: Array, factor: Any) -> Array:
     return loads
 
 
-def solutions(mesh: Discretization, par: Array, lam: Array, wrench: Array, last2: float) -> Solutions:
+def solutions(mesh: Discretization, par: Array, lam: Array, wrench: Array, step_tol2: float) -> Solutions:
     """Solve many cases into their nodes.
 
-    par : (1 or n, n_parameters), lam : (n, 2), wrench : (1 or n, 3), last2 : largest squared last Newton step
+    par : (1 or n, n_parameters), lam : (n, 2), wrench : (1 or n, 3), step_tol2 : largest squared last Newton step
     """
     n = len(lam)
     q, status = np.empty((n, 3 * mesh.nodes.size)), np.full(n, Status.NOT_CONVERGED, dtype=np.int64)
     factor = np.ones(n)
-    solve_nodes(mesh, par, lam, wrench, last2, q, status)
+    solve_nodes(mesh, par, lam, wrench, step_tol2, q, status)
     pose = q[:, -3:].copy()
     todo = np.flatnonzero(status != Status.CONVERGED)
     if todo.size:
@@ -192,7 +192,7 @@ def resolve(
     """
     at, loads = jumps(par), loads_of(lam, wrench)
     while True:
-        found = solutions(mesh, par, lam, wrench, LAST2)
+        found = solutions(mesh, par, lam, wrench, STEP_TOL2)
         error = np.where(found.status <= Status.UNSTABLE, errors(mesh, par, loads, found), np.nan)
         excess = np.nan_to_num(error / accuracy, nan=0.0)
         worst = int(np.argmax(excess)) if len(excess) else 0
@@ -210,7 +210,7 @@ def solve_refined(
     par: Array,
     lam: Array,
     wrench: Array,
-    last2: float,
+    step_tol2: float,
     accuracy: float,
     found: Verdict,
 ) -> tuple[Array, NDArray[np.int64], Array, Array]:
@@ -220,7 +220,7 @@ def solve_refined(
     ----------
     mesh : where they were solved last
     found : status, load factor and estimated error there, (n,) each
-    par : (1 or n, n_parameters), lam : (n, 2), wrench : (1 or n, 3), last2 : largest squared last Newton step
+    par : (1 or n, n_parameters), lam : (n, 2), wrench : (1 or n, 3), step_tol2 : largest squared last Newton step
 
     Returns
     -------
@@ -240,7 +240,7 @@ def solve_refined(
         left: list[int] = []
         for next_, rows in waiting.items():
             own = par if len(par) == 1 else par[rows]
-            new = solutions(next_, own, lam[rows], wrench[rows], last2)
+            new = solutions(next_, own, lam[rows], wrench[rows], step_tol2)
             estimate = errors(next_, own, loads_of(lam[rows], wrench[rows]), new)
             verdict = new.status, new.load_factor, estimate
             sure = stands(verdict, accuracy, (status[rows], factor[rows], error[rows]))

@@ -38,7 +38,7 @@ class Sensitivities:
     pose : (n, 3) [m, m, rad]
     jacobian : (n, 3, 2) by the tendon forces [m/N, m/N, rad/N]
     compliance : (n, 3, 3) by the dead wrench fx, fz, tau
-    by_parameter : (n, 3, k) by the parameters, in the order of `names`
+    dpose_dpar : (n, 3, k) by the parameters, in the order of `names`
     names : (k,) as they were asked for
     status : (n,) values of `Status`
     """
@@ -46,7 +46,7 @@ class Sensitivities:
     pose: Array
     jacobian: Array = field(repr=False)
     compliance: Array = field(repr=False)
-    by_parameter: Array = field(repr=False)
+    dpose_dpar: Array = field(repr=False)
     names: tuple[str, ...]
     status: NDArray[np.int64] = field(repr=False)
 
@@ -68,17 +68,17 @@ class Sensitivities:
 
 
 def sensitivities(
-    mesh: Discretization, names: Sequence[str], par: Array, lam: Array, wrench: Array, last2: float
+    mesh: Discretization, names: Sequence[str], par: Array, lam: Array, wrench: Array, step_tol2: float
 ) -> Sensitivities:
     """Solve and differentiate many cases.
 
     Parameters
     ----------
     names : of parameters, ``EA`` or ``beam.EA``
-    par : (1 or n, n_parameters), lam : (n, 2), wrench : (1 or n, 3), last2 : largest squared last Newton step
+    par : (1 or n, n_parameters), lam : (n, 2), wrench : (1 or n, 3), step_tol2 : largest squared last Newton step
     """
     n, k = len(lam), len(names)
-    found = solutions(mesh, par, lam, wrench, last2)
+    found = solutions(mesh, par, lam, wrench, step_tol2)
     refused = pushing(par, lam)
     if refused is not None:
         found.status[refused] = Status.INVALID_INPUT

@@ -94,7 +94,7 @@ class Stepper:
         lam_max: float = 0.0,
         path: PathChoice = None,
     ) -> None:
-        loads, last2 = one_load(np.zeros(2), wrench), last_step(tolerance)
+        loads, step_tol2 = one_load(np.zeros(2), wrench), last_step(tolerance)
         if not 0.0 <= real("lam_max", lam_max) < np.inf:
             raise InputError(f"lam_max = {shown(lam_max)}: allowed is a finite number, 0 or more")
         par = pack(mechanism)
@@ -110,7 +110,7 @@ class Stepper:
         if carries:
             self._core, self._past = _path_core(discretization, par, loads, derivatives)
         else:
-            self._core = _core(discretization, par, loads, last2, derivatives, lam_max)
+            self._core = _core(discretization, par, loads, step_tol2, derivatives, lam_max)
         self._first = tuple(part.copy() for part in self._core.kept)
         object.__setattr__(self, "__call__", self._core.call)  # a slot: a method would cost a tenth of a step
 
@@ -228,13 +228,15 @@ def _prepared(mesh: Discretization, par: Array) -> System:
     return stations, tip, q_rest
 
 
-def _core(mesh: Discretization, par: Array, loads: Array, last2: float, derivatives: bool, lam_max: float) -> StepCore:
+def _core(
+    mesh: Discretization, par: Array, loads: Array, step_tol2: float, derivatives: bool, lam_max: float
+) -> StepCore:
     """Return the step of a mechanism on its quickest path."""
     system = _prepared(mesh, par)
     fast = fast_path(mesh, *system)
     if fast is None:
         return general_stepper(mesh, system, loads, lam_max != 0.0)
-    return fast.stepper(system, loads, last2, derivatives, lam_max)
+    return fast.stepper(system, loads, step_tol2, derivatives, lam_max)
 
 
 def _path_core(mesh: Discretization, par: Array, loads: Array, derivatives: bool) -> tuple[StepCore, Array]:
@@ -243,10 +245,10 @@ def _path_core(mesh: Discretization, par: Array, loads: Array, derivatives: bool
     First comes the pose without effects of the path, which leads them; then the constants of the mechanism they leave,
     and the pose with these. Both start from the straight neck and are solved to rounding, as rows of `predict` are.
     """
-    last2, system = last_step(MIN_TOLERANCE), _prepared(mesh, par)
+    step_tol2, system = last_step(MIN_TOLERANCE), _prepared(mesh, par)
     fast = Condensation.of(mesh, *system)
-    plain = _core(mesh, par, loads, last2, False, -1.0)
-    along = general_stepper(mesh, system, loads, True) if fast is None else fast.stepper(system, loads, last2,
+    plain = _core(mesh, par, loads, step_tol2, False, -1.0)
+    along = general_stepper(mesh, system, loads, True) if fast is None else fast.stepper(system, loads, step_tol2,
                                                                                       derivatives, -1.0)  # fmt: skip
     constants, places = along.system
     order = 0 if fast is None else mesh.order

@@ -265,7 +265,7 @@ def test_finite_differences_do_not_reach_the_derivatives(tendons):
 
     def exact(elements):
         model = FiniteElementModel(neck, elements)
-        return model.sensitivities(STIFFNESSES, lam, tolerance=1e-12).by_parameter * scale
+        return model.sensitivities(STIFFNESSES, lam, tolerance=1e-12).dpose_dpar * scale
 
     forward = optimize.approx_fprime(np.ones(3), pose).reshape(-1, 3, 3)
     central = np.stack([(pose(1.0 + 1e-4 * e) - pose(1.0 - 1e-4 * e)) / 2e-4 for e in np.eye(3)], axis=-1)

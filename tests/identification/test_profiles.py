@@ -75,7 +75,7 @@ def test_sensitivities_where_the_stiffness_varies(elements):
             )
             difference = (above - below)[0] / (2.0 * step.max())
             np.testing.assert_allclose(
-                found.by_parameter[0, :, column], difference, rtol=2e-6, atol=1e-9 / step.max() * 1e-4
+                found.dpose_dpar[0, :, column], difference, rtol=2e-6, atol=1e-9 / step.max() * 1e-4
             )
 
 

@@ -33,7 +33,7 @@ def slopes() -> np.ndarray:
     from ecm_fast import FiniteElementModel
 
     found: Sensitivities = FiniteElementModel(Mechanism()).sensitivities(["EA", "GA", "EI"], clean().lam)
-    return np.asarray(found.by_parameter)
+    return np.asarray(found.dpose_dpar)
 
 
 def split(residual: np.ndarray, jacobian: np.ndarray, *, robust: bool = False) -> VarianceComponents:

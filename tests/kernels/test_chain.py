@@ -35,7 +35,7 @@ BAD = [
 
 
 def chain_of(model: FiniteElementModel) -> Chain | None:
-    stations, tip, q_rest, _, _ = model._system
+    stations, tip, q_rest, _, _ = model._single.system
     return Chain.of(model.discretization, stations, tip, q_rest)
 
 
@@ -92,7 +92,7 @@ def test_elements_may_differ_in_length(order):
 def test_the_section_may_differ_from_element_to_element(order):
     """Another method: the general path, with random stiffness, curvature and load by station."""
     model = FiniteElementModel(NECKS["bent"], 9, order)
-    stations = model._system[0]
+    stations = model._single.system[0]
     # stiffness, curvature as built and dead load of every station
     stations[:, [2, 3, 4, 5, 8, 9]] *= np.random.default_rng(4).uniform(0.7, 1.4, (len(stations), 6))
     agrees_with_the_general_path(model, random_loads(30, seed=7), share=0.9)
@@ -183,7 +183,7 @@ def test_the_warm_path_meets_the_cold_one(how):
 def test_a_model_uses_it():
     """Contract: batch and control step of a model of 20 elements run on this path."""
     model, loads = FiniteElementModel(SLENDER, elements=20, order=1), random_loads(5, seed=2)
-    assert isinstance(model._condensed, Chain)
+    assert isinstance(model._single.fast, Chain)
     pose, _ = solve(chain_of(model), loads)
     np.testing.assert_array_equal(model.solve_batch(loads[:, :2], loads[:, 2:5], tolerance=1e-13).pose, pose)
     *pose, status = model.stepper(tolerance=1e-13)(40.0, 10.0)
@@ -196,5 +196,5 @@ def test_what_it_does_not_take():
     assert chain_of(FiniteElementModel(SLENDER.replace(neutral_axis_offset=1e-3), 5, 1)) is None
     assert chain_of(FiniteElementModel(SLENDER, 5, 1, gauss=2)) is None
     mixed = FiniteElementModel(SLENDER, 5, 1)
-    mixed._system[0][2, 7] = 1.0  # Hooke's law in one element alone
+    mixed._single.system[0][2, 7] = 1.0  # Hooke's law in one element alone
     assert chain_of(mixed) is None

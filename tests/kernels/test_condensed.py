@@ -5,7 +5,7 @@ import pytest
 
 from ecm_fast import FiniteElementModel, InputError, Mechanism, Status
 from ecm_fast.data.measurements import Measurements
-from ecm_fast.kernels.condensed.formulation import put_load, state_size, straighten
+from ecm_fast.kernels.condensed.formulation import put_load, reset_straight, state_size
 from ecm_fast.kernels.condensed.step import gauss_points, sweep
 from ecm_fast.kernels.layout import LANES, R_EXTREME, R_PIVOT, R_SIZE, R_THETA, R_X, R_Z
 from ecm_fast.mechanism.parameters import find, index
@@ -47,7 +47,7 @@ def cases(load: str, n: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
 def fast(model: FiniteElementModel, lam: np.ndarray, wrench: np.ndarray, tolerance: float, guess=None) -> tuple:
     """Return what the fast path says, without the general path behind it: poses and statuses."""
     out = columns(len(lam))
-    model._condensed.solve(lam, wrench, tolerance / QUADRATIC, out, guess)
+    model._single.fast.solve(lam, wrench, tolerance / QUADRATIC, out, guess)
     return np.stack(out[:3], axis=1), out[3]
 
 
@@ -108,7 +108,7 @@ def test_far_outside_the_batch_is_the_general_path(preset, load):
 def test_what_leaves_the_fast_path(change, how):
     """Contract: such a model has no fast path, and its batch is the general solve to the bit."""
     model = FiniteElementModel(SLENDER.replace(**change), **how)
-    assert model._condensed is None
+    assert model._single.fast is None
     np.testing.assert_array_equal(model.solve_batch([[40.0, 10.0]]).pose[0], model.solve((40.0, 10.0)).pose)
 
 
@@ -138,7 +138,7 @@ def test_newton_leaves_less_than_the_square_of_its_last_step(preset, load, order
     1.2 was seen, with forces and wrenches together and order 3.
     """
     model, largest = FiniteElementModel(Mechanism.preset(preset), order=order), 0.0
-    length, con = model.mechanism.beam.length, model._condensed.con
+    length, con = model.mechanism.beam.length, model._single.fast.con
     for seed in range(30):
         lam, wrench = cases(load, LANES, seed)
         limit = fast(model, lam, wrench, 1e-13)[0]
@@ -161,7 +161,7 @@ def state_before_the_first_step(model, lam, wrench):
     state = np.zeros(LANES * state_size(order))
     for j in range(LANES):
         put_load(state, LANES, j, lam[j], wrench[j])
-        straighten(model._condensed.con, 1, 0, state, LANES, j, order)
+        reset_straight(model._single.fast.con, 1, 0, state, LANES, j, order)
     return state
 
 
@@ -184,7 +184,7 @@ def test_a_large_batch_is_each_of_its_cases(name):
     """It starts from polynomials; cases in small batches start from the straight beam."""
     model = FiniteElementModel(NECKS[name])
     lam, wrench = np.random.default_rng(2).uniform(0.0, 160.0, (WORTH_A_GUESS, 2)), np.array([-20.0, 5.0, 0.3])
-    assert model._condensed.fit_guess(lam.max(), wrench) is not None
+    assert model._single.fast.fit_guess(lam.max(), wrench) is not None
     for tolerance, within in ((1e-9, 1e-9), (1e-13, 1e-12)):
         large = model.solve_batch(lam, wrench, tolerance=tolerance)
         for part in np.array_split(np.arange(len(lam)), 3):
@@ -196,7 +196,7 @@ def test_a_large_batch_is_each_of_its_cases(name):
 def test_polynomials_serve_only_where_they_were_fitted():
     """Another start: outside the fitted range the answer is that of the straight start, to the bit."""
     model, wrench = FiniteElementModel(), np.zeros(3)
-    guess = model._condensed.fit_guess(60.0, wrench)
+    guess = model._single.fast.fit_guess(60.0, wrench)
     lam = np.random.default_rng(3).uniform(0.0, 160.0, (500, 2))
     pose, status = fast(model, lam, wrench[None], 1e-13, guess)
     straight, same = fast(model, lam, wrench[None], 1e-13)
@@ -213,7 +213,7 @@ def test_a_large_batch_where_no_polynomial_can_be_fitted(spoil):
     model, lam = FiniteElementModel(), np.random.default_rng(4).uniform(0.0, 160.0, (WORTH_A_GUESS, 2))
     clean = model.solve_batch(lam[1:])
     lam[0] = spoil, 0.9 * spoil
-    assert model._condensed.fit_guess(lam.max(), np.zeros(3)) is None
+    assert model._single.fast.fit_guess(lam.max(), np.zeros(3)) is None
     spoiled = model.solve_batch(lam)
     assert not spoiled.stable[0]
     assert np.isnan(spoiled.pose[0]).all()

@@ -96,7 +96,7 @@ def test_derivatives_are_differences_of_the_readings(effect, chains):
         difference = (higher - lower) / (2.0 * step)
         size = np.abs(difference).max()
         assert size > 0.0
-        assert np.abs(found.by_parameter[:, :, k] - difference).max() < 3e-6 * size
+        assert np.abs(found.dpose_dpar[:, :, k] - difference).max() < 3e-6 * size
 
 
 @pytest.mark.parametrize("effect", EFFECTS)

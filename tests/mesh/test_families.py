@@ -110,13 +110,13 @@ def test_kernels_are_derivatives_of_the_reference_energy(family, order, gauss, t
 @pytest.mark.parametrize("turn", TURNS)
 @pytest.mark.parametrize(("family", "order", "gauss"), OTHERS)
 def test_a_step_is_taken_to_first_order(family, order, gauss, turn):
-    """Calculus: what `take` makes of a step of size t differs from adding it by t^2: a hundredth for a tenth of t."""
+    """Calculus: a step of size t is applied to within t^2 of adding it: a hundredth for a tenth of t."""
     case = Element(family, order, gauss, 1, turn)
     step = np.random.default_rng(2).normal(size=case.q.size) * np.tile([case.h, case.h, 1.0], order + 1)
     left = []
     for size in (1e-3, 1e-4):
         q = case.q.copy()
-        case.kernels.take(case.mesh.tables, q, size * step, np.empty(q.size))
+        case.kernels.apply_step(case.mesh.tables, q, size * step, np.empty(q.size))
         left.append(np.abs(q - case.q - size * step).max())
     assert left[0] < 1e-4
     assert left[1] == pytest.approx(left[0] / 100.0, rel=0.05)
@@ -349,7 +349,7 @@ def test_derivatives_are_central_differences(family):
             return FiniteElementModel(changed, elements, order, family=name).solve(LAM, WRENCH).raise_if_failed().pose
 
         numeric = difference(pose, step)
-        np.testing.assert_allclose(got.by_parameter[0, :, k], numeric, rtol=0.0, atol=1e-8 * np.abs(numeric).max())
+        np.testing.assert_allclose(got.dpose_dpar[0, :, k], numeric, rtol=0.0, atol=1e-8 * np.abs(numeric).max())
     for column, step in enumerate((0.5, 0.5, 0.5, 0.5, 0.01)):
         unit = np.eye(5)[column]
         numeric = difference(

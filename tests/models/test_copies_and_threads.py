@@ -247,7 +247,7 @@ def test_numbers_that_stand_for_no_law_crash_nothing() -> None:
                 unpack(wrong)
             if place == -2:
                 model._par = wrong
-                model._condensed = None
+                model._single.fast = None
                 assert model.solve_batch([[40.0, 10.0]]).status[0] == ecm.Status.NOT_CONVERGED
     finally:
         ecm.remove_effect("own_spring")

@@ -173,7 +173,7 @@ def solvers(neck: ecm.Mechanism) -> dict[str, Any]:
         "solve": lambda **path: model.solve((40.0, 10.0), **path).pose,
         "solve_batch": lambda **path: model.solve_batch([[40.0, 10.0]], **path).pose,
         "solve_batch of parameters": lambda **path: rows_of([[40.0, 10.0]], **path).pose,
-        "sensitivities": lambda **path: model.sensitivities(["EI"], [[40.0, 10.0]], **path).by_parameter,
+        "sensitivities": lambda **path: model.sensitivities(["EI"], [[40.0, 10.0]], **path).dpose_dpar,
         "inverse": lambda **path: model.inverse(theta=0.05, co_contraction=40.0, **path),
         "training_poses": lambda **path: training_poses(model, 3, 0, **path).poses,
         "training_rows": lambda **path: training_rows(model, data, **path).poses,

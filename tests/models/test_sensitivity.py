@@ -88,7 +88,7 @@ def test_derivatives_are_central_differences_of_poses(how):
         entry = find(name)
         step = 1e-4 * max(abs(entry.default), entry.typical)
         expected = difference({"par": step * np.eye(par.shape[1])[index(name)]}, step)
-        assert (np.abs(found.by_parameter[:, :, k] - expected) * step / 1e-4 <= 2e-7 * scale).all(), name
+        assert (np.abs(found.dpose_dpar[:, :, k] - expected) * step / 1e-4 <= 2e-7 * scale).all(), name
     for k in range(2):
         expected = difference({"lam": 0.01 * np.eye(2)[k]}, 0.01)
         assert (np.abs(found.jacobian[:, :, k] - expected) * 100.0 <= 2e-7 * scale).all()
@@ -125,7 +125,7 @@ def test_derivatives_are_those_of_the_reference(how):
             expected = -flexibility @ change
             # per 1 % of the parameter's scale, of the length and of 1 rad
             scale = max(abs(find(name).default), find(name).typical) / sizes(found.pose[i : i + 1], par[i : i + 1])[0]
-            np.testing.assert_allclose(found.by_parameter[i, :, k] * scale, expected * scale, rtol=1e-8, atol=1e-9)
+            np.testing.assert_allclose(found.dpose_dpar[i, :, k] * scale, expected * scale, rtol=1e-8, atol=1e-9)
         for side in range(2):
             own, step = reference.named(par[i]), 1e-30j * np.eye(N_LOADS)[side]
             unit = reference.tip_wrench(own, loads + step, q[-3:] + 0j).imag * 1e30
@@ -161,7 +161,7 @@ def test_stiffnesses_written_out_are_the_complex_step(how):
     scale = par[:, None, [index(name) for name in ("EA", "GA", "EI")]] / sizes(written.pose, par)[:, :, None]
     np.testing.assert_allclose(by_virtual_work * scale, by_complex_step * scale, rtol=0, atol=1e-12)
     # and these are what a user gets, at the default tolerance
-    np.testing.assert_allclose(written.by_parameter * scale, by_complex_step * scale, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(written.dpose_dpar * scale, by_complex_step * scale, rtol=0, atol=1e-8)
 
 
 def test_names_may_come_in_any_order():
@@ -172,9 +172,9 @@ def test_names_may_come_in_any_order():
     assert together.names == tuple(names)
     for k, name in enumerate(names):
         alone = model.sensitivities([name], *loads)
-        np.testing.assert_array_equal(alone.by_parameter[:, :, 0], together.by_parameter[:, :, k])
+        np.testing.assert_array_equal(alone.dpose_dpar[:, :, 0], together.dpose_dpar[:, :, k])
     none = model.sensitivities([], *loads)
-    assert none.by_parameter.shape == (1, 3, 0)
+    assert none.dpose_dpar.shape == (1, 3, 0)
     np.testing.assert_array_equal(none.jacobian, together.jacobian)
 
 
@@ -202,7 +202,7 @@ def test_one_mechanism_for_all_rows_is_one_for_each(how):
     for_each = FiniteElementModel(**how).sensitivities(
         names, lam, wrench, parameters=[pack(mechanism)] * 20, path="ignore"
     )
-    for name in ("pose", "jacobian", "compliance", "by_parameter", "status"):
+    for name in ("pose", "jacobian", "compliance", "dpose_dpar", "status"):
         np.testing.assert_array_equal(getattr(for_all, name), getattr(for_each, name))
 
 
@@ -218,12 +218,12 @@ def test_rows_without_an_equilibrium_are_nan(how):
     found, batch = model.sensitivities(names, lam, wrench, tolerance=1e-13), model.solve_batch(lam, wrench)
     assert found.status.tolist() == batch.status.tolist()
     assert found.status.tolist() == [0, 3, 4, 4, 1, 0]
-    arrays = [found.pose, found.jacobian, found.compliance, found.by_parameter]
+    arrays = [found.pose, found.jacobian, found.compliance, found.dpose_dpar]
     for array in arrays:
         assert np.isnan(array[[1, 2, 3]]).all()
         assert np.isfinite(array[[0, 4, 5]]).all()
     assert np.linalg.eigvalsh(found.compliance[4])[0] < 0.0
-    for own, exact in zip(arrays, [clean.pose, clean.jacobian, clean.compliance, clean.by_parameter], strict=True):
+    for own, exact in zip(arrays, [clean.pose, clean.jacobian, clean.compliance, clean.dpose_dpar], strict=True):
         np.testing.assert_array_equal(own[[0, 5]], exact[[0, 5]])
     one = model.solve(lam[4], wrench[4])
     assert one.status is Status.UNSTABLE

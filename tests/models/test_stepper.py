@@ -197,9 +197,9 @@ def test_with_a_range_no_call_depends_on_those_before(name, derivatives, lam_max
 def test_where_it_starts_from():
     """A polynomial where one fits; where none does, still the right answers."""
     model = model_of("condensed")
-    assert isinstance(model._condensed, Condensation)
-    assert model._condensed.fit_guess(160.0, np.zeros(3)) is not None
-    assert model._condensed.fit_guess(900.0, np.zeros(3)) is None
+    assert isinstance(model._single.fast, Condensation)
+    assert model._single.fast.fit_guess(160.0, np.zeros(3)) is not None
+    assert model._single.fast.fit_guess(900.0, np.zeros(3)) is None
     for lam_max in (20.0, 160.0, 900.0):
         step = model.stepper(lam_max=lam_max)
         for lam in jumps(50):

@@ -53,7 +53,7 @@ def test_a_section_law_is_its_twin_of_the_catalogue(add):
     """The catalogue: M = EI kappa (1 + a kappa^2) written by a user, its poses and its derivative by the size."""
     add("own_cubic", enters="section", typical=0.004)(cubic)
     assert np.abs(poses(own_cubic=0.006) - poses(bending_cubic=0.006)).max() < 1e-13
-    by = ecm.FiniteElementModel(NECK).sensitivities(["own_cubic", "bending_cubic"], LAM).by_parameter
+    by = ecm.FiniteElementModel(NECK).sensitivities(["own_cubic", "bending_cubic"], LAM).dpose_dpar
     assert np.abs(by[:, :, 0] - by[:, :, 1]).max() < 1e-12 * np.abs(by).max()
 
 

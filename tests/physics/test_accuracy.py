@@ -6,6 +6,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipkinc, ellipkm1
 
 from ecm_fast import FiniteElementModel, Mechanism
+from ecm_fast.models.loads import loads_of
 
 STIFF = 1e3
 BEAM = Mechanism().replace(length=1.0, EI=1.0, EA=STIFF, GA=STIFF, axial_law="hooke", g=0.0)
@@ -139,7 +140,7 @@ def test_nodes_and_derivatives_recovered_from_the_condensed_path():
     """The general path on the same discretization: nodes, jacobian and compliance to the size of rounding."""
     model = FiniteElementModel(Mechanism.preset("slender"))
     eq = model.solve((40.0, 10.0))
-    general = model._solve(np.array([40.0, 10.0, 0.0, 0.0, 0.0, 1.0, 1.0]), None)
+    general = model._single._solve(loads_of(np.array([[40.0, 10.0]]), np.zeros((1, 3)))[0], None, None)
     assert np.abs(eq.q - general.q).max() < 1e-11
     assert np.abs(eq.jacobian / general.jacobian - 1.0).max() < 1e-7
     assert np.abs(eq.compliance - general.compliance).max() < 1e-9 * np.abs(general.compliance).max()

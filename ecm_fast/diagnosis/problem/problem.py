@@ -142,17 +142,17 @@ class Problem:
         used = self.wanted & state.stable[:, None]
         sigma = noise.filled(self.rows, state, used)
         whitening = noise.whitening(np.where(np.isfinite(sigma), sigma, 1.0), state, used)
-        by_force = np.where(used[:, :, None], np.nan_to_num(state.by_force), 0.0)
+        dpose_dlam = np.where(used[:, :, None], np.nan_to_num(state.dpose_dlam), 0.0)
         by_camera = np.where(used, np.nan_to_num(sigma), 0.0)[:, :, None] * np.eye(3)
-        hidden = [self._near_zero(noise.force, by_force), self._drift(noise.force, by_force, by_camera)]
+        hidden = [self._near_zero(noise.force, dpose_dlam), self._drift(noise.force, dpose_dlam, by_camera)]
         build = self._build(state, used, names)
         return Weights(whitening, sigma, whitening @ np.concatenate(hidden, axis=2), whitening @ build)
 
-    def _near_zero(self, force: Array, by_force: Array) -> Array:
+    def _near_zero(self, force: Array, dpose_dlam: Array) -> Array:
         """Return what slack tendons change where their readings are not below zero, (n, 3, 1) or none of it."""
         lam = np.concatenate([part.lam for part in self.data])
         near = force[:, None] * (lam < _NEAR_ZERO * force[:, None]) * _ZERO_SHIFT
-        shift: Array = (by_force * near[:, None, :]).sum(axis=2, keepdims=True)
+        shift: Array = (dpose_dlam * near[:, None, :]).sum(axis=2, keepdims=True)
         return shift if near.any() else shift[:, :, :0]
 
     def _build(self, state: State, used: Mask, names: Sequence[str]) -> Array:
@@ -161,9 +161,9 @@ class Problem:
         by: Array = state.by[:, :, [names.index(key) for key in tolerances]] * np.array(list(tolerances.values()))
         return np.where(used[:, :, None], np.nan_to_num(by), 0.0)
 
-    def _drift(self, force: Array, by_force: Array, by_camera: Array) -> Array:
+    def _drift(self, force: Array, dpose_dlam: Array, by_camera: Array) -> Array:
         """Return what little the camera's channels and both force cells drift in a file, (n, 3, s)."""
-        each = self.drift * np.concatenate([by_camera, by_force * force[:, None, None]], axis=2)
+        each = self.drift * np.concatenate([by_camera, dpose_dlam * force[:, None, None]], axis=2)
         files = [self.rows.member == i for i, part in enumerate(self.data) if part.n >= _SHORT]
         elapsed = np.zeros((len(files), self.rows.n))
         for column, here in zip(elapsed, files, strict=True):

@@ -142,31 +142,31 @@ def _elements(con, state, p, n):
 
 
 @kernel
-def _converge(con, state, last2):
-    """Newton's iteration; returns whether the chain holds a stable equilibrium that it vouches for.
+def _converge(con, state, step_tol2):
+    """Newton's iteration; returns whether the chain holds a stable equilibrium that it accepts.
 
-    The rules are those of `condensed.vouches`. Where it does not vouch, that is no verdict.
+    The rules are those of `condensed.accepts`. Where it does not accept, that is no verdict.
     """
     state[H_SIZE], state[H_DOUBT] = np.inf, 0.0
     for _ in range(MAX_STEPS):
         newton_chain(con, state)
-        if not state[H_SIZE] > last2 or state[H_DOUBT] > 0.0:
+        if not state[H_SIZE] > step_tol2 or state[H_DOUBT] > 0.0:
             break
-    return vouches_chain(state, last2)
+    return accepts_chain(state, step_tol2)
 
 
 @kernel
-def vouches_chain(state, last2):
-    """Whether the state holds a stable equilibrium, the squared size of the last step at most `last2`."""
-    return state[H_SIZE] <= last2 and state[H_DOUBT] == 0.0
+def accepts_chain(state, step_tol2):
+    """Whether the state holds a stable equilibrium, the squared size of the last step at most `step_tol2`."""
+    return state[H_SIZE] <= step_tol2 and state[H_DOUBT] == 0.0
 
 
 @kernel
-def solve_chain(con, lam, wrench, last2, state, x, z, theta, status):
+def solve_chain(con, lam, wrench, step_tol2, state, x, z, theta, status):
     """Solve load cases one after another, each from the straight beam.
 
     con : constants, see `chain_constants.condense_chain`
-    lam : (n, 2), wrench : (n, 3) or (1, 3), last2 : largest squared last step
+    lam : (n, 2), wrench : (n, 3) or (1, 3), step_tol2 : largest squared last step
     state : (state_size,)   work space
     x, z, theta, status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the general path must decide
     """
@@ -175,12 +175,12 @@ def solve_chain(con, lam, wrench, last2, state, x, z, theta, status):
     for i in range(lam.shape[0]):
         state[:L_FX], state[L_FX:L_GRAVITY] = lam[i], wrench[min(i, last_wrench)]
         start_chain(con, state)
-        status[i] = CONVERGED if _converge(con, state, last2) else NOT_CONVERGED
+        status[i] = CONVERGED if _converge(con, state, step_tol2) else NOT_CONVERGED
         x[i], z[i], theta[i] = state[H_X], state[H_Z], state[H_THETA]
 
 
 @kernel
-def follow_chain(con, state, last2, lam_l, lam_r):
+def follow_chain(con, state, step_tol2, lam_l, lam_r):
     """Follow one load case to new tendon forces; starts again from the straight beam where that fails.
 
     Returns x, z, theta, status; the pose is nan where the status is not CONVERGED.
@@ -189,10 +189,10 @@ def follow_chain(con, state, last2, lam_l, lam_r):
     left, right = tendon_forces(con, state)
     if not (0.0 <= lam_l < np.inf and 0.0 <= lam_r < np.inf and min(left, right) >= -LARGEST_PUSH):
         return np.nan, np.nan, np.nan, INVALID_INPUT
-    found = vouches_chain(state, last2) and _converge(con, state, last2)
+    found = accepts_chain(state, step_tol2) and _converge(con, state, step_tol2)
     if not found:
         start_chain(con, state)
-        found = _converge(con, state, last2)
+        found = _converge(con, state, step_tol2)
     if found:
         return state[H_X], state[H_Z], state[H_THETA], CONVERGED
     return np.nan, np.nan, np.nan, NOT_CONVERGED

@@ -15,7 +15,7 @@ import numpy as np
 from ...mesh.families.quadrature import integrals
 from .. import layout
 from ..unroll import BlockFactor, Code, cofactor, determinant, dot, function, invariants, total
-from .formulation import judge
+from .formulation import record_step
 
 __all__ = ["written_out"]
 
@@ -53,7 +53,7 @@ def written_out(order: int) -> dict[str, Callable[..., Any]]:
     for name, (write, arguments) in writers.items():
         step = _Step(order)
         write(step)
-        functions[name] = function(name, arguments, step.lines, {"judge": judge, "sqrt": np.sqrt})
+        functions[name] = function(name, arguments, step.lines, {"record_step": record_step, "sqrt": np.sqrt})
     return functions
 
 
@@ -220,7 +220,7 @@ class _Step(Code):
         turns = f"{dot(self._names('b'), self._names('b'))} + turned * turned"
         moved, changed = dot(_each("d"), _each("d")), dot(_each("f"), _each("f"))
         scaled = f"({moved}) * {_con(layout.C_INV_LENGTH2)} + ({changed}) * {_con(layout.C_INV_FORCE2)}"
-        self.lines.append(f"judge(state, sr, j, {turns} + {scaled})")
+        self.lines.append(f"record_step(state, sr, j, {turns} + {scaled})")
 
     def tip_columns(self) -> None:
         """Write the derivatives of the tip pose by a unit force in each direction and by a unit moment."""

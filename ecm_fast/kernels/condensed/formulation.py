@@ -80,19 +80,19 @@ from ..trig import sincos
 from .axial_law import HALF, SHIFT, stretch_at
 
 __all__ = [
-    "collect",
+    "accepts",
+    "all_converged",
+    "clear_record",
     "condense",
     "constants_size",
-    "judge",
     "nodes_of",
     "plain_section",
     "put_head",
     "put_load",
-    "settled",
+    "read_results",
+    "record_step",
+    "reset_straight",
     "state_size",
-    "straighten",
-    "unjudged",
-    "vouches",
 ]
 
 # squares, in rad and shares of the length: of a step that is rounding, of the largest first one, and of the ratio of
@@ -200,7 +200,7 @@ def put_load(state, sr, j, lam, wrench):
 
 
 @step_kernel
-def straighten(con, cr, cl, state, sr, j, order):
+def reset_straight(con, cr, cl, state, sr, j, order):
     """Put the beam of lane `j` back into its straight state, under the loads that are there."""
     length, theta = con[cr * T_LENGTH + cl], con[cr * C_THETA0 + cl]
     s, c = sincos(theta)
@@ -211,17 +211,17 @@ def straighten(con, cr, cl, state, sr, j, order):
     state[sr * R_FORCE_Z + j] = state[sr * R_FZ + j] + con[cr * T_WEIGHT_Z + cl] + pull * s
     for g in range(order):
         state[sr * (R_POINT + N_SECTION * g + P_THETA) + j] = theta
-    unjudged(state, sr, j)
+    clear_record(state, sr, j)
 
 
 @step_kernel
-def unjudged(state, sr, j):
+def clear_record(state, sr, j):
     """Forget what the steps of lane `j` said."""
     state[sr * R_SIZE + j], state[sr * R_PIVOT + j], state[sr * R_EXTREME + j] = np.inf, np.inf, 0.0
 
 
 @step_kernel
-def judge(state, sr, j, size):
+def record_step(state, sr, j, size):
     """Write down how large a step was.
 
     size : sum of squares of the turns [rad], of the tip's displacement [lengths] and of the tip force's change
@@ -236,30 +236,30 @@ def judge(state, sr, j, size):
 
 
 @step_kernel
-def vouches(state, sr, j, last2):
-    """Whether lane `j` holds a stable equilibrium that the fast path vouches for.
+def accepts(state, sr, j, step_tol2):
+    """Whether lane `j` holds a stable equilibrium that the fast path accepts.
 
     Every iterate must have been stable and inside the range of the polynomials, every step must have shrunk by half
-    at least, and the squared size of the last one is at most `last2`. Where it does not vouch, that is no verdict:
+    at least, and the squared size of the last one is at most `step_tol2`. Where it does not vouch, that is no verdict:
     the general path decides.
     """
-    converged, stable = state[sr * R_SIZE + j] <= last2, state[sr * R_PIVOT + j] > 0.0
+    converged, stable = state[sr * R_SIZE + j] <= step_tol2, state[sr * R_PIVOT + j] > 0.0
     return converged and stable and state[sr * R_EXTREME + j] <= 1.0
 
 
 @kernel
-def settled(state, last2):
+def all_converged(state, step_tol2):
     """Whether every lane's last step is small enough, of those that can still be vouched for."""
     size = state[LANES * R_SIZE : LANES * (R_SIZE + 1)]
     extreme = state[LANES * R_EXTREME : LANES * (R_EXTREME + 1)]
     open_lanes = 0
     for j in range(LANES):
-        open_lanes += 1 if (size[j] > last2) & (extreme[j] <= 1.0) else 0
+        open_lanes += 1 if (size[j] > step_tol2) & (extreme[j] <= 1.0) else 0
     return open_lanes == 0
 
 
 @kernel
-def collect(state, last2, x, z, theta, status, doubt):
+def read_results(state, step_tol2, x, z, theta, status, doubt):
     """Read poses, verdicts and bounds of the error off the first lanes, as many as there is room for."""
     for j in range(x.shape[0]):
         doubt[j] = state[LANES * R_DOUBT + j]
@@ -268,8 +268,8 @@ def collect(state, last2, x, z, theta, status, doubt):
     size, pivot = state[LANES * R_SIZE : LANES * (R_SIZE + 1)], state[LANES * R_PIVOT : LANES * (R_PIVOT + 1)]
     extreme = state[LANES * R_EXTREME : LANES * (R_EXTREME + 1)]
     for j in range(x.shape[0]):
-        # as `vouches`, without a branch
-        found = (size[j] <= last2) & (pivot[j] > 0.0) & (extreme[j] <= 1.0)
+        # as `accepts`, without a branch
+        found = (size[j] <= step_tol2) & (pivot[j] > 0.0) & (extreme[j] <= 1.0)
         status[j] = CONVERGED if found else NOT_CONVERGED
 
 

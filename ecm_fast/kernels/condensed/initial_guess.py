@@ -4,7 +4,7 @@ import numpy as np
 
 from .._jit import kernel, step_kernel, wide
 from ..layout import LANES, N_SECTION, P_THETA, R_LAM_L, R_LAM_R, R_POINT, R_X
-from .formulation import unjudged
+from .formulation import clear_record
 
 __all__ = [
     "ANGLES",
@@ -85,7 +85,7 @@ def guess(coefficients, lam_max, state, sr, n_lanes, order):
             b2, b3 = a20 + v * (a21 + v * (a22 + v * a23)), a30 + v * (a31 + v * a32)
             row[j] = b0 + u * (b1 + u * (b2 + u * (b3 + u * (a40 + v * a41 + u * a50))))
     for j in range(n_lanes):
-        unjudged(state, sr, j)
+        clear_record(state, sr, j)
 
 
 @step_kernel
@@ -107,7 +107,7 @@ def extrapolate(state, before, lam_l, lam_r, order):
         state[place] = now + share * (now - before[2 + i])
         before[2 + i] = now
     state[R_LAM_L], state[R_LAM_R] = lam_l, lam_r
-    unjudged(state, 1, 0)
+    clear_record(state, 1, 0)
 
 
 @step_kernel

@@ -30,19 +30,19 @@ from ..unroll import at_each_point, function
 from .equations import written_out
 from .formulation import (
     MAX_STEPS,
-    collect,
+    accepts,
+    all_converged,
     condense,
     constants_size,
     nodes_of,
     put_load,
-    settled,
+    read_results,
+    reset_straight,
     state_size,
-    straighten,
-    vouches,
 )
 from .initial_guess import extrapolate, guess, lane_inside, lanes_inside, remember
 from .physics import plate, section
-from .step_memory import MOST_STEPS, general_step, hand_over, memory_size, pieces, pulls, unfold
+from .step_memory import MOST_STEPS, general_step, hand_over, memory_size, pieces, pulls, symmetric_from_lower
 
 __all__ = [
     "cold_solve",
@@ -136,12 +136,12 @@ def lane_doubts_mechanisms(points, con, state):
 
 
 @kernel
-def solve_loads(points, con, coefficients, lam_max, lam, wrench, last2, state, x, z, theta, status, doubt):
+def solve_loads(points, con, coefficients, lam_max, lam, wrench, step_tol2, state, x, z, theta, status, doubt):
     """Solve load cases on one mechanism, LANES at a time.
 
     coefficients, lam_max : see `initial_guess.guess`, used where both tendon forces are at most `lam_max`; else, and
         for lam_max = 0 always, the beam starts straight
-    lam : (n, 2), wrench : (n, 3) or (1, 3), last2 : largest squared last step
+    lam : (n, 2), wrench : (n, 3) or (1, 3), step_tol2 : largest squared last step
     state : (LANES * state_size,)   work space
     x, z, theta, status : (n,)   overwritten; CONVERGED, or NOT_CONVERGED where the general path must decide
     doubt : (n,)   overwritten: a bound of the discretization error, see `equations.written_out`
@@ -157,20 +157,20 @@ def solve_loads(points, con, coefficients, lam_max, lam, wrench, last2, state, x
         if inside < LANES:
             for j in range(LANES):
                 if not lane_inside(state, lam_max, j):
-                    straighten(con, 1, 0, state, LANES, j, order)
+                    reset_straight(con, 1, 0, state, LANES, j, order)
         for _ in range(MAX_STEPS):
             sweep(points, con, state)
-            if settled(state, last2):
+            if all_converged(state, step_tol2):
                 break
         lane_doubts(points, con, state)
         end = min(first + LANES, n)
         own = x[first:end], z[first:end], theta[first:end], status[first:end], doubt[first:end]
-        collect(state, last2, *own)
+        read_results(state, step_tol2, *own)
 
 
 @kernel
 def solve_mechanisms(
-    points, par, mesh, nodes, turn, slopes, stretch, lam, wrench, last2, system, con, lanes, state,
+    points, par, mesh, nodes, turn, slopes, stretch, lam, wrench, step_tol2, system, con, lanes, state,
     x, z, theta, status, doubt,
 ):  # fmt: skip
     """Solve cases that each have a mechanism of their own, from the straight beam, LANES at a time.
@@ -190,17 +190,17 @@ def solve_mechanisms(
             for k in range(con.shape[0]):
                 lanes[LANES * k + j] = con[k]
             put_load(state, LANES, j, lam[i], wrench[min(i, last_wrench)])
-            straighten(lanes, LANES, j, state, LANES, j, len(points))
+            reset_straight(lanes, LANES, j, state, LANES, j, len(points))
             if not applies:
                 state[LANES * R_EXTREME + j] = 2.0
         for _ in range(MAX_STEPS):
             sweep_mechanisms(points, lanes, state)
-            if settled(state, last2):
+            if all_converged(state, step_tol2):
                 break
         lane_doubts_mechanisms(points, lanes, state)
         end = min(first + LANES, n)
         own = x[first:end], z[first:end], theta[first:end], status[first:end], doubt[first:end]
-        collect(state, last2, *own)
+        read_results(state, step_tol2, *own)
 
 
 # One load case
@@ -218,18 +218,18 @@ def _step(points, con, state, keep):
 
 
 @kernel
-def _iterate(points, con, state, last2, keep):
-    """Take Newton steps until one vouches for the equilibrium; return their number, 0 where none did."""
+def _iterate(points, con, state, step_tol2, keep):
+    """Take Newton steps until the equilibrium is accepted; return their number, 0 where none did."""
     for i in range(MAX_STEPS):
         _step(points, con, state, keep)
-        if vouches(state, 1, 0, last2):
+        if accepts(state, 1, 0, step_tol2):
             return i + 1
     return 0
 
 
 @kernel
 def solve_nodes(
-    points, par, mesh, nodes, turn, slopes, stretch, tables, lam, wrench, last2, system, con, state, q, status
+    points, par, mesh, nodes, turn, slopes, stretch, tables, lam, wrench, step_tol2, system, con, state, q, status
 ):
     """Solve cases one after the other, each from the straight beam, into their nodes.
 
@@ -245,8 +245,8 @@ def solve_nodes(
             prepare(par[i], mesh, nodes, stations, tip, q_rest)
             applies = condense(stations, tip, q_rest, turn, slopes, stretch, con)
         put_load(state, 1, 0, lam[i], wrench[min(i, last_wrench)])
-        straighten(con, 1, 0, state, 1, 0, len(points))
-        found = _iterate(points, con, state, last2, False) > 0 and applies
+        reset_straight(con, 1, 0, state, 1, 0, len(points))
+        found = _iterate(points, con, state, step_tol2, False) > 0 and applies
         status[i] = CONVERGED if found else NOT_CONVERGED
         nodes_of(con, state, tables, slopes, len(points), q[i])
 
@@ -271,7 +271,7 @@ def cold_solve(order: int) -> Any:
         con, state = memory[:n_con], memory[n_con : n_con + n_state]
         state[R_LAM_L], state[R_LAM_R] = lam_l, lam_r
         state[R_FX], state[R_FZ], state[R_TAU] = f_x, f_z, tau
-        straighten(con, 1, 0, state, 1, 0, len(points))
+        reset_straight(con, 1, 0, state, 1, 0, len(points))
         steps = _iterate(points, con, state, memory[n_con + n_state], False)
         _doubt(points, con, 1, 0, state, 1, 0)
         return state[R_X], state[R_Z], state[R_THETA], state[R_DOUBT], steps
@@ -285,7 +285,7 @@ def derivatives(points, con, state, compliance, jacobian):
     columns = np.empty(6)
     _step(points, con, state, True)
     _tip_columns(points, con, state, columns)
-    unfold(con, state, columns, compliance, jacobian)
+    symmetric_from_lower(con, state, columns, compliance, jacobian)
 
 
 # The control step
@@ -293,18 +293,18 @@ def derivatives(points, con, state, compliance, jacobian):
 
 @step_kernel
 def _follow(points, con, coefficients, settings, state, before, followed, known, lam_l, lam_r):
-    last2, keep, lam_max = settings[0], settings[1] > 0.0, settings[2]
+    step_tol2, keep, lam_max = settings[0], settings[1] > 0.0, settings[2]
     followed[0] = 1.0
     if known:
         extrapolate(state, before, lam_l, lam_r, len(points))
-        if _iterate(points, con, state, last2, keep) > 0:
+        if _iterate(points, con, state, step_tol2, keep) > 0:
             return True
     state[R_LAM_L], state[R_LAM_R] = lam_l, lam_r
     if lam_l <= lam_max and lam_r <= lam_max and lam_max > 0.0:
         guess(coefficients, lam_max, state, 1, 1, len(points))
     else:
-        straighten(con, 1, 0, state, 1, 0, len(points))
-    if _iterate(points, con, state, last2, keep) == 0:
+        reset_straight(con, 1, 0, state, 1, 0, len(points))
+    if _iterate(points, con, state, step_tol2, keep) == 0:
         return False
     followed[0] = 0.0
     remember(state, before, len(points))
@@ -343,11 +343,11 @@ def control_step(order: int) -> Any:
             loads, tables, slopes, stations, tip, start, trail, out, work,
         ) = _parts(points, array_at(address, size))  # fmt: skip
         afresh, possible = settings[2] != 0.0, pulls(con, lam_l, lam_r)
-        known = possible and not afresh and vouches(state, 1, 0, settings[0])
+        known = possible and not afresh and accepts(state, 1, 0, settings[0])
         if possible and _follow(points, con, coefficients, settings, state, before, followed, known, lam_l, lam_r):
             if settings[1] > 0.0:
                 _tip_columns(points, con, state, columns)
-                unfold(con, state, columns, compliance, jacobian)
+                symmetric_from_lower(con, state, columns, compliance, jacobian)
             return state[R_X], state[R_Z], state[R_THETA], CONVERGED
         if known:
             hand_over(con, state, before, tables, slopes, len(points), loads, trail)

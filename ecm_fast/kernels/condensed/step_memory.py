@@ -43,7 +43,7 @@ from ..layout import (
     R_RZ,
     TENDON_ZERO_LENGTH,
 )
-from .formulation import constants_size, nodes_of, state_size, unjudged
+from .formulation import clear_record, constants_size, nodes_of, state_size
 from .initial_guess import N_GUESS, recall
 from .physics import forces
 
@@ -55,8 +55,8 @@ __all__ = [
     "memory_size",
     "pieces",
     "pulls",
+    "symmetric_from_lower",
     "trail_size",
-    "unfold",
 ]
 
 # parts of the memory that no step changes
@@ -107,7 +107,7 @@ def memory_size(order: int) -> int:
 
 
 @kernel
-def unfold(con, state, columns, compliance, jacobian):
+def symmetric_from_lower(con, state, columns, compliance, jacobian):
     """Compliance (3, 3) from its lower triangle `columns`, and the jacobian (3, 2) = compliance P of (40)."""
     for i in range(3):
         for k in range(i + 1):
@@ -133,7 +133,7 @@ def hand_over(con, state, before, tables, slopes, order, loads, trail):
     """Make the last equilibrium of the fast path, `before`, that of the general path, `trail`; `state` is used up."""
     recall(state, before, order)
     nodes_of(con, state, tables, slopes, order, trail[N_LOADS + 1 :])
-    unjudged(state, 1, 0)
+    clear_record(state, 1, 0)
     trail[:L_FX], trail[L_FX:N_LOADS], trail[N_LOADS] = before[:L_FX], loads[L_FX:], 1.0
 
 

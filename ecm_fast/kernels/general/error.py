@@ -13,7 +13,7 @@ from .._jit import kernel
 from ..layout import N_LOADS, S_INV_H, T_FURTHER, T_LENGTH, UNSTABLE
 from ..prepare import prepare
 from ..trig import sincos
-from .elements.lagrange import take
+from .elements.lagrange import apply_step
 from .front import newton_step
 from .tip import tip_wrench
 
@@ -83,7 +83,7 @@ def tip_error(tables, halves, stations, tip, loads, q, fine, step, work):
     strains = step[: 2 * tables.shape[1]].reshape(-1, 2)
     _refine(tables, halves, stations, q, fine, strains)
     newton_step(tables, stations, tip, loads, fine, work, step, work[work.shape[0] - 6 :])
-    take(tables, fine, step, work[work.shape[0] - m :])
+    apply_step(tables, fine, step, work[work.shape[0] - m :])
     turned, moved = q[n - 1], fine[m - 1]
     if tip[T_FURTHER] != 0.0:
         _, turned = tip_wrench(tip, loads, q[n - 3], q[n - 2], turned, work[:3], work[3:9])

@@ -23,7 +23,7 @@ from ..layout import (
     T_TOLERANCE,
     UNSTABLE,
 )
-from .elements.lagrange import take
+from .elements.lagrange import apply_step
 from .newton import ROUNDING_FLOOR, step_size
 from .tendons import tendon_derivatives, tendon_lengths
 
@@ -172,7 +172,7 @@ def _converge(basis, stations, tip, given, wanted, soft, loads, q, work, room):
         if not (at_floor or (size <= LARGEST_STEP and size <= 0.7 * before)):
             return NOT_CONVERGED
         before = size
-        take(basis, q, step, work[work.shape[0] - n :])
+        apply_step(basis, q, step, work[work.shape[0] - n :])
         if at_floor:
             return CONVERGED if pivots == negative else UNSTABLE
     return NOT_CONVERGED

@@ -40,7 +40,7 @@ from ..layout import (
     UNSTABLE,
 )
 from .elements import lagrange
-from .elements.dispatch import kernels_for, take
+from .elements.dispatch import apply_step, kernels_for
 from .front import newton_step, work_size
 from .tip import tendon_forces, tip_wrench
 
@@ -156,7 +156,7 @@ def _correct(tables, stations, tip, loads, q, work, step, out, limit, shrink, mo
             return NOT_CONVERGED
         if not_positive > 0 and shrink < 1.0:
             return UNSTABLE
-        take(tables, q, step, work[work.shape[0] - q.shape[0] :])
+        apply_step(tables, q, step, work[work.shape[0] - q.shape[0] :])
         if at_floor:
             return UNSTABLE if not_positive > 0 else CONVERGED
         limit = shrink * size

@@ -95,16 +95,16 @@ class MeasuringChain:
             return rows
         return par[None].copy() if own is None else own[self._only]
 
-    def solve(self, par: Array, last2: float, threads: int = 1) -> tuple[Array, NDArray[np.int64], Array]:
+    def solve(self, par: Array, step_tol2: float, threads: int = 1) -> tuple[Array, NDArray[np.int64], Array]:
         """Return readings (n, 3) [m, m, rad], nan where there is no equilibrium, status and load factor, (n,) each."""
         rows = self.rows(par)
-        result = self._solve(rows, self._loads, last2, threads)
+        result = self._solve(rows, self._loads, step_tol2, threads)
         pose = result.pose
         if rows[:, _CAMERA].any():
             read(rows, pose)
         return pose, result.status, result.load_factor
 
-    def solve_many(self, par: Array, last2: float) -> tuple[Array, NDArray[np.int64]]:
+    def solve_many(self, par: Array, step_tol2: float) -> tuple[Array, NDArray[np.int64]]:
         """Return readings (m, n, 3) and status (m, n) for many mechanisms (m, n_parameters), in one batch.
 
         Raises
@@ -114,13 +114,13 @@ class MeasuringChain:
         m, n = len(par), self.n
         rows = np.concatenate([np.broadcast_to(self.rows(own), (n, par.shape[1])) for own in par])
         lam, wrench = (np.tile(loads, (m, 1)) for loads in self._loads)
-        result = solve_cases(self.mesh, None, rows, lam, wrench, last2, 1)
+        result = solve_cases(self.mesh, None, rows, lam, wrench, step_tol2, 1)
         pose = result.pose
         if rows[:, _CAMERA].any():
             read(rows, pose)
         return pose.reshape(m, n, 3), result.status.reshape(m, n)
 
-    def sensitivities(self, names: Sequence[str], par: Array, last2: float) -> Sensitivities:
+    def sensitivities(self, names: Sequence[str], par: Array, step_tol2: float) -> Sensitivities:
         """Return readings and their derivatives by loads and by any parameters, see `sensitivity.sensitivities`.
 
         `jacobian` is by the readings of the force cells.
@@ -134,12 +134,12 @@ class MeasuringChain:
             changes = self._changes(par, inherited)
         targets = [PARAMETERS[place].key for place in sorted({place for own in changes.values() for place in own})]
         asked = [*dict.fromkeys([*(key for key in keys if key not in own_path), *targets])]
-        found = sensitivities(self.mesh, asked, rows, *self._loads, last2)
+        found = sensitivities(self.mesh, asked, rows, *self._loads, step_tol2)
         self._see(rows, asked, found, always=bool(rows[:, _CAMERA].any()))
         if inherited:
-            own = {key: found.by_parameter[:, :, i] for i, key in enumerate(asked)}
+            own = {key: found.dpose_dpar[:, :, i] for i, key in enumerate(asked)}
             columns = [self._inherited(own, changes[key]) if key in changes else own[key] for key in keys]
-            found = replace(found, by_parameter=np.stack(columns, axis=-1))
+            found = replace(found, dpose_dpar=np.stack(columns, axis=-1))
         return replace(found, names=tuple(names))
 
     def _each(self, par: Array, own: Array | None) -> Array:
@@ -154,14 +154,14 @@ class MeasuringChain:
             self._followed = par.copy(), History.of(self.record, rows, pose)
         return self._followed[1]
 
-    def _solve(self, rows: Array, loads: tuple[Array, Array], last2: float, threads: int = 1) -> BatchResult:
+    def _solve(self, rows: Array, loads: tuple[Array, Array], step_tol2: float, threads: int = 1) -> BatchResult:
         """Solve the equilibria of rows under loads."""
         fast = None
         if len(rows) == 1:
             stations, tip, q_rest, _, _ = work_arrays(self.mesh)
             prepare(rows[0], self.mesh.mesh, self.mesh.nodes, stations, tip, q_rest)
             fast = fast_path(self.mesh, stations, tip, q_rest)
-        return solve_cases(self.mesh, fast, rows, *loads, last2, threads)
+        return solve_cases(self.mesh, fast, rows, *loads, step_tol2, threads)
 
     def _changes(self, par: Array, keys: Sequence[str]) -> dict[str, dict[int, Array]]:
         """Return how the rows' entries depend on the mechanism's: for each key the places and their slopes, (n,)."""
@@ -191,5 +191,5 @@ class MeasuringChain:
             return
         which, columns = np.array([*at], dtype=np.int64), np.array([*at.values()], dtype=np.int64)
         c_par, J = np.zeros(rows.shape[1], dtype=complex), np.empty((3, 3))
-        pose, by = found.pose, found.by_parameter
+        pose, by = found.pose, found.dpose_dpar
         read_derivatives(rows, which, columns, c_par, J, pose, found.jacobian, found.compliance, by)

@@ -44,15 +44,15 @@ class Chain:
         state[H_SIZE] = np.inf
         return state
 
-    def solve(self, lam: Array, wrench: Array, last2: float, out: Columns, guess: Guess | None = None) -> None:
+    def solve(self, lam: Array, wrench: Array, step_tol2: float, out: Columns, guess: Guess | None = None) -> None:
         """Solve tendon forces (n, 2) under dead wrenches (n, 3) or (1, 3), as `Condensation.solve` does."""
-        chain.solve_chain(self.con, lam, wrench, last2, self.new_state(), *out[:4])
+        chain.solve_chain(self.con, lam, wrench, step_tol2, self.new_state(), *out[:4])
 
     def fit_guess(self, lam_max: float, wrench: Array) -> Guess | None:
         """Return None: a chain always starts straight."""
         return None
 
-    def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> StepCore:
+    def stepper(self, system: System, loads: Array, step_tol2: float, derivatives: bool, lam_max: float) -> StepCore:
         """Return the control step; with derivatives it is the general path's, which has them."""
         general = general_stepper(self.mesh, system, loads, lam_max != 0.0)
         if derivatives:
@@ -66,7 +66,7 @@ class Chain:
                 if lam_max != 0.0:
                     state[H_SIZE] = np.inf  # nothing to follow
                 lam = float(lam_l), float(lam_r)
-                found: tuple[float, float, float, int] = chain.follow_chain(con, state, last2, *lam)
+                found: tuple[float, float, float, int] = chain.follow_chain(con, state, step_tol2, *lam)
                 return found if found[3] in (CONVERGED, INVALID_INPUT) else general.call(*lam)
 
         last = functools.partial(_last, state)

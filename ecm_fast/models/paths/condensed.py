@@ -66,10 +66,10 @@ class Condensation:
         applies = condensed.condense(stations, tip, q_rest, mesh.turn, mesh.slopes, STRETCH, con)
         return cls(mesh, con) if applies and np.isfinite(con).all() else None
 
-    def solve(self, lam: Array, wrench: Array, last2: float, out: Columns, guess: Guess | None = None) -> Array:
+    def solve(self, lam: Array, wrench: Array, step_tol2: float, out: Columns, guess: Guess | None = None) -> Array:
         """Solve tendon forces (n, 2) under dead wrenches (n, 3) or (1, 3), see `kernels.condensed.step.solve_loads`.
 
-        last2 : largest squared last step of Newton's method
+        step_tol2 : largest squared last step of Newton's method
         out : x, z, theta, status, bound of the error, each (n,), overwritten
         guess : what `fit_guess` returned for loads with this wrench; none: the beam starts straight
 
@@ -77,7 +77,7 @@ class Condensation:
         """
         coefficients, lam_max = self._straight if guess is None else guess
         state = np.zeros(LANES * condensed.state_size(self.mesh.order))
-        kernels.solve_loads(self._points, self.con, coefficients, lam_max, lam, wrench, last2, state, *out)
+        kernels.solve_loads(self._points, self.con, coefficients, lam_max, lam, wrench, step_tol2, state, *out)
         return state
 
     def nodes(self, state: Array) -> Array:
@@ -92,9 +92,9 @@ class Condensation:
         kernels.derivatives(self._points, self.con, state.copy(), compliance, jacobian)
         return jacobian, compliance
 
-    def cold(self, last2: float) -> "ColdSolve":
+    def cold(self, step_tol2: float) -> "ColdSolve":
         """Return the solve of one load case at a time."""
-        return ColdSolve(self, last2)
+        return ColdSolve(self, step_tol2)
 
     def fit_guess(self, lam_max: float, wrench: Array) -> Guess | None:
         """Return polynomials for where a solve with tendon forces up to `lam_max` under `wrench` should start.
@@ -115,7 +115,7 @@ class Condensation:
             return None
         return np.ascontiguousarray(coefficients.T), lam_max
 
-    def stepper(self, system: System, loads: Array, last2: float, derivatives: bool, lam_max: float) -> StepCore:
+    def stepper(self, system: System, loads: Array, step_tol2: float, derivatives: bool, lam_max: float) -> StepCore:
         """Return the compiled control step, see `kernels.condensed.step.control_step`.
 
         system : stations, tip, q_rest of the finite element model, for the general path
@@ -136,7 +136,7 @@ class Condensation:
         if guess is not None:
             parts["coefficients"][:] = guess[0]
         # without a fit each step starts straight: it must still depend on nothing but its arguments
-        parts["settings"][:] = last2, derivatives, -1.0 if guess is None and lam_max > 0.0 else lam_max
+        parts["settings"][:] = step_tol2, derivatives, -1.0 if guess is None and lam_max > 0.0 else lam_max
         places = {name: first for name, (first, _) in stepper.pieces(order).items()}
         kept = tuple(part for name, part in parts.items() if name not in stepper.CONSTANT)
         step: Any = functools.partial(compiled_step(order), memory.ctypes.data)
@@ -146,7 +146,7 @@ class Condensation:
         def last() -> tuple[Array, Array | None]:
             state, at = parts["state"], parts["loads"].copy()
             at[:L_GRAVITY] = state[[R_LAM_L, R_LAM_R, R_FX, R_FZ, R_TAU]]
-            solved = state[R_SIZE] <= last2 and state[R_PIVOT] > 0.0 and state[R_EXTREME] <= 1.0
+            solved = state[R_SIZE] <= step_tol2 and state[R_PIVOT] > 0.0 and state[R_EXTREME] <= 1.0
             return at, self.nodes(state) if solved else None
 
         derivatives_of = parts["jacobian"], parts["compliance"]
@@ -156,10 +156,10 @@ class Condensation:
 class ColdSolve:
     """Solves one load case at a time, each from the straight beam."""
 
-    def __init__(self, condensation: Condensation, last2: float) -> None:
+    def __init__(self, condensation: Condensation, step_tol2: float) -> None:
         con, order = condensation.con, condensation.mesh.order
         self._size = con.size
-        self._memory = np.concatenate([con, np.zeros(condensed.state_size(order)), [last2]])
+        self._memory = np.concatenate([con, np.zeros(condensed.state_size(order)), [step_tol2]])
         self._solve, self._address = compiled_cold_solve(order), self._memory.ctypes.data
 
     def __call__(
@@ -212,7 +212,9 @@ def columns(n: int) -> Columns:
     return np.empty(n), np.empty(n), np.empty(n), np.full(n, NOT_CONVERGED, dtype=np.int64), np.full(n, np.nan)
 
 
-def solve_mechanisms(mesh: Discretization, par: Array, lam: Array, wrench: Array, last2: float, out: Columns) -> None:
+def solve_mechanisms(
+    mesh: Discretization, par: Array, lam: Array, wrench: Array, step_tol2: float, out: Columns
+) -> None:
     """Solve cases that each have a parameter vector, (n, n_parameters), where the mesh permits it.
 
     See `Condensation.solve` and `kernels.condensed.step.solve_mechanisms`.
@@ -225,11 +227,11 @@ def solve_mechanisms(mesh: Discretization, par: Array, lam: Array, wrench: Array
     constants = mesh.mesh, mesh.nodes, mesh.turn, mesh.slopes, STRETCH
     lanes = np.empty(LANES * con.size)
     points = kernels.gauss_points(order)
-    kernels.solve_mechanisms(points, par, *constants, lam, wrench, last2, system, con, lanes, state, *out)
+    kernels.solve_mechanisms(points, par, *constants, lam, wrench, step_tol2, system, con, lanes, state, *out)
 
 
 def solve_nodes(
-    mesh: Discretization, par: Array, lam: Array, wrench: Array, last2: float, q: Array, status: NDArray[np.int64]
+    mesh: Discretization, par: Array, lam: Array, wrench: Array, step_tol2: float, q: Array, status: NDArray[np.int64]
 ) -> None:
     """Solve cases into all their nodes, where the mesh permits it; see `kernels.condensed.step.solve_nodes`.
 
@@ -242,4 +244,4 @@ def solve_nodes(
     system = np.empty((order, N_STATION)), np.empty(N_TIP), np.empty(3 * (order + 1))
     constants = mesh.mesh, mesh.nodes, mesh.turn, mesh.slopes, STRETCH, mesh.tables
     points = kernels.gauss_points(order)
-    kernels.solve_nodes(points, par, *constants, lam, wrench, last2, system, con, state, q, status)
+    kernels.solve_nodes(points, par, *constants, lam, wrench, step_tol2, system, con, state, q, status)

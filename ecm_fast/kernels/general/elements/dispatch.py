@@ -6,7 +6,7 @@ Every family's module of kernels has the four functions below, with these argume
 sizes(tables)                                           Gauss points and nodes of an element
 element(tables, stations, loads, q, res, K, room)     adds an element's residual and tangent
 element_residual(tables, stations, loads, q, res)     adds the residual alone, real or complex
-take(tables, q, step, fresh)                            moves the whole beam by Newton's step
+apply_step(tables, q, step, fresh)                            moves the whole beam by Newton's step
 """
 
 from typing import Any
@@ -15,7 +15,7 @@ from ....mesh.families import Se2Tables, StrainTables
 from ..._jit import by_first_type
 from . import lagrange, se2, strain
 
-__all__ = ["element", "element_residual", "kernels_for", "sizes", "take"]
+__all__ = ["apply_step", "element", "element_residual", "kernels_for", "sizes"]
 
 MODULES: dict[Any, Any] = {Se2Tables: se2, StrainTables: strain}
 """Kernels by the type of the tables; arrays are those of the Lagrange family."""
@@ -29,4 +29,4 @@ def kernels_for(tables: Any) -> Any:
 sizes: Any = by_first_type(lambda tables: kernels_for(tables).sizes)
 element: Any = by_first_type(lambda tables: kernels_for(tables).element)
 element_residual: Any = by_first_type(lambda tables: kernels_for(tables).element_residual)
-take: Any = by_first_type(lambda tables: kernels_for(tables).take)
+apply_step: Any = by_first_type(lambda tables: kernels_for(tables).apply_step)

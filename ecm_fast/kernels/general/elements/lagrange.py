@@ -5,7 +5,7 @@ from ...layout import L_GRAVITY, S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
 from ...trig import sincos
 from ..section import section_law
 
-__all__ = ["element", "element_residual", "section_at", "sizes", "take"]
+__all__ = ["apply_step", "element", "element_residual", "section_at", "sizes"]
 
 
 @kernel
@@ -54,7 +54,7 @@ def element(basis, stations, loads, q, res, K, room):
     """Add one element's residual and tangent, [E1] and [E2] of `reference.element`.
 
     basis : (3, n_gauss, n_a)       shape functions and their derivatives by xi in [0, 1], at the Gauss points; a third
-                                    table that only `take` uses
+                                    table that only `apply_step` uses
     stations : (n_gauss, N_STATION) the element's Gauss points
     loads : (N_LOADS,), of which the section takes guided tendons and the share of the dead load
     q : (3 n_a,)                    the element's x, z, theta, node by node [m, m, rad]
@@ -106,7 +106,7 @@ def element(basis, stations, loads, q, res, K, room):
 
 
 @kernel
-def take(basis, q, step, fresh):
+def apply_step(basis, q, step, fresh):
     """Move `q` by a step that is linear in the strains and the angles, not in the positions.
 
     basis : (3, n_gauss, n_a), q : (3 n_nodes,), step : (3 n_nodes,)

@@ -18,7 +18,7 @@ from ...layout import L_GRAVITY, S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
 from ...trig import sincos
 from ..section import section_law
 
-__all__ = ["element", "element_residual", "sizes", "take"]
+__all__ = ["apply_step", "element", "element_residual", "sizes"]
 
 # below this turn [rad] v is its series, of which the term of phi^(2n - 1) has the factor 2 zeta(2n) / (2 pi)^(2n);
 # what is left of zeta after 29 terms is below rounding from n = 7 on
@@ -169,8 +169,8 @@ def _expand(xx, xz, zz, xm, zm, xk, zk, mm, mk, kk, K):
 
 
 @kernel
-def take(tables, q, step, fresh):
-    """Move `q` by a step that is linear in the strains and the angles, see `kernels.element.take`."""
+def apply_step(tables, q, step, fresh):
+    """Move `q` by a step that is linear in the strains and the angles, see `elements.lagrange`."""
     for i in range(3):
         fresh[i] = q[i] + step[i]
     for first in range(0, q.shape[0] - 3, 3):

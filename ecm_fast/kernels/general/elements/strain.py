@@ -14,7 +14,7 @@ from ...layout import L_GRAVITY, S_INV_H, S_LOAD_X, S_LOAD_Z, S_WEIGHT
 from ...trig import sincos
 from ..section import section_law
 
-__all__ = ["element", "element_residual", "sizes", "take"]
+__all__ = ["apply_step", "element", "element_residual", "sizes"]
 
 
 @kernel
@@ -203,8 +203,8 @@ def _changes_at(tables, g, inv_h, G, B):
 
 
 @kernel
-def take(tables, q, step, fresh):
-    """Move `q` by a step that is linear in the strains and the angles, see `kernels.element.take`."""
+def apply_step(tables, q, step, fresh):
+    """Move `q` by a step that is linear in the strains and the angles, see `elements.lagrange`."""
     m = 3 * tables.basis.shape[2]
     for i in range(3):
         fresh[i] = q[i] + step[i]

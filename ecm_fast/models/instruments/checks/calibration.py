@@ -47,7 +47,7 @@ class Calibration:
     origin, origin_std : (3,) origins of the channels and their standard deviations, 0 where not free [m, m, rad]
     pose : (n, 3) predicted readings, origins left out; nan without a stable equilibrium
     residual : (n, 3) measured less predicted, origins taken off
-    by_force : (n, 3, 2) derivatives of the pose by the tendon forces, 0 without an equilibrium
+    dpose_dlam : (n, 3, 2) derivatives of the pose by the tendon forces, 0 without an equilibrium
     force : (n,) forces of the cell that is not believed, else readings of the left one
     """
 
@@ -57,7 +57,7 @@ class Calibration:
     origin_std: Array
     pose: Array
     residual: Array
-    by_force: Array
+    dpose_dlam: Array
     force: Array
 
 
@@ -115,7 +115,7 @@ def calibrate(
             origin[channel] += np.median(known) if known.size and count < 2 else 0.0
         off -= origin
         slope = np.zeros((len(rows), 3, p))
-        slope[:, :, :k] = np.where(stable[:, None, None], found.by_parameter * par[places], 0.0)
+        slope[:, :, :k] = np.where(stable[:, None, None], found.dpose_dpar * par[places], 0.0)
         slope[:, free, range(k, p)] = 1.0
         if blind is not None:
             along = np.where(stable[:, None], found.jacobian[:, :, blind], 0.0)
@@ -132,9 +132,9 @@ def calibrate(
             chain = MeasuringChain(chain.mesh, with_force(data, rows, blind, force), rows)
     origin_std = np.zeros(3)
     origin_std[list(free)] = np.sqrt(np.abs(np.diag(np.linalg.pinv(normal + np.diag(precision)))))[k:]
-    by_force = np.where(stable[:, None, None], found.jacobian, 0.0)
+    dpose_dlam = np.where(stable[:, None, None], found.jacobian, 0.0)
     return Calibration(dict(zip(STIFFNESSES, np.exp(at).tolist(), strict=True)), moved, origin, origin_std, pose, off,
-                       by_force, force)  # fmt: skip
+                       dpose_dlam, force)  # fmt: skip
 
 
 def with_force(data: Measurements, rows: NDArray[np.int64], cell: int, force: Array) -> Measurements:
