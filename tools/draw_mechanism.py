@@ -230,7 +230,7 @@ def legend() -> list[str]:
     names = [
         ("beam", "EA, GA, EI, mass_per_length, axial_law"),
         ("head", "mass, in S; rigid with the plate P-R"),
-        ("gravity", "g, along -x; tilt_deg > 0 turns it to -z"),
+        ("gravity", "g, along -x; tilt > 0 (or tilt_deg) turns it to -z"),
         ("tendons", "free in the air from P, R to the pulleys,"),
         ("", "tangent on the outer side, no friction"),
         ("", ""),

@@ -156,7 +156,7 @@ class Mechanism:
         without = {"head.h", "head.b"} if self.head.mass == 0.0 else set[str]()
         if self.gravity.g == 0.0 and "gravity.g" in given:
             without |= {"beam.mass_per_length", "head.mass", "head.h", "head.b", "gravity.tilt"}
-        without |= {"head.mass"} if self.segments else set()
+        without |= {"gravity.tilt"} | ({"head.mass"} if self.segments else set())
         names = (name for name in self.values() if name.split(".")[0] in SECTIONS)
         return tuple(name for name in names if name not in given and name not in without)
 

@@ -76,7 +76,7 @@ def work_arrays(mesh: Discretization) -> tuple[Array, Array, Array, Array, Array
     """Return stations, tip, q_rest, q and the work space of one thread."""
     n = 3 * mesh.nodes.size
     work = np.zeros(solve_work_size(mesh.nodes.size, mesh.n_elements, mesh.order))
-    return np.empty((len(mesh.mesh), N_STATION)), np.empty(N_TIP), np.empty(n), np.empty(n), work
+    return np.zeros((len(mesh.mesh), N_STATION)), np.zeros(N_TIP), np.empty(n), np.empty(n), work
 
 
 def reached(loads: Array, factor: Any) -> Array:

@@ -78,7 +78,7 @@ def test_weights_of_any_size_give_a_fit(run: Run, words: str) -> None:
     code, out, err = run("identify", *words.split(), "--fit", "EI", "--json")
     assert code in (0, 3), err
     found = json.loads(out)["parameters"]["EI"]
-    assert found["std"] > 0.0
+    assert (found["std"] is None) == ("1e6" in words)  # under a noise of 1e6 N nothing is seen
     if "--force-sigma" not in words:
         assert found["value"] == pytest.approx(3.0, rel=0.05)
 

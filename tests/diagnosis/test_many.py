@@ -117,7 +117,7 @@ def test_rows_solved_alone_are_as_among_all(looped: Measurements) -> None:
     values = np.array([0.04, 0.01, 2.9])
     all_rows, few = (FitRows(problem.sets, keys, problem.mesh, only) for only in (None, some))
     whole, part = all_rows.at(values), few.at(values)
-    for name in ("pose", "by", "by_force", "status"):
+    for name in ("pose", "by", "dpose_dlam", "status"):
         np.testing.assert_array_equal(getattr(whole, name)[some], getattr(part, name))
     spread = part.among(200, some)
     assert np.flatnonzero(spread.stable).tolist() == some.tolist()

@@ -497,7 +497,7 @@ def test_a_missing_channel_counts_nothing(tendons):
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ({"names": ["E"]}, "no parameter is called 'E' (did you mean"),
+        ({"names": ["EJ"]}, "no parameter is called 'EJ' (did you mean"),
         ({"names": ["EA", "axial_law"]}, "axial_law is a choice, not a number: fit once with each and compare the rms"),
         ({"names": ["EA", "beam.EA"]}, "a parameter is named twice in EA, beam.EA"),
         ({"names": []}, "nothing to fit: name at least one parameter"),

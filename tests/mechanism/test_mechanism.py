@@ -222,8 +222,9 @@ def test_a_short_name_that_two_sections_share_is_refused(monkeypatch: pytest.Mon
     from ecm_fast.mechanism import parameters
 
     shared = {entry.name for entry in PARAMETERS[: len(PLACES)] if len(parameters._SHORT[entry.name]) > 1}
-    assert shared == {"pulley_radius"}
-    assert find("pulley_radius").key == "tendons.pulley_radius"  # an effect yields to a part of the mechanism
+    assert shared == {"pulley_radius", "pulley_x", "pulley_z", "length"}
+    for name in shared:  # effects, segments and named tendons yield to the sections of a neck
+        assert find(name).key == ("beam.length" if name == "length" else f"tendons.{name}")
     monkeypatch.setitem(parameters._SHORT, "mass", ["head.mass", "beam.mass"])
     assert message(find, "mass") == "parameter 'mass' is ambiguous: say head.mass or beam.mass"
 

@@ -67,8 +67,8 @@ class Case:
     def prepared(self, par=None):
         """Return the kernels' constants, stations, tip and q_rest, of the case or of another parameter vector."""
         par, mesh = self.par if par is None else par, self.mesh
-        stations = np.empty((len(mesh.mesh), layout.N_STATION), par.dtype)
-        ends, q_rest = np.empty(layout.N_TIP, par.dtype), np.empty(3 * mesh.nodes.size, par.dtype)
+        stations = np.zeros((len(mesh.mesh), layout.N_STATION), par.dtype)
+        ends, q_rest = np.zeros(layout.N_TIP, par.dtype), np.empty(3 * mesh.nodes.size, par.dtype)
         prepare.prepare(par, mesh.mesh, mesh.nodes, stations, ends, q_rest)
         return stations, ends, q_rest
 
