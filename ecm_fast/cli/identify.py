@@ -81,7 +81,7 @@ def _answer(fit: "Identification", path: str) -> dict[str, Any]:
 def _text(fit: "Identification") -> str:
     lines = [f"{fit.counted}; {fit.level:.0%} intervals"]
     lines += [f"{name} {found}" for name, found in fit.parameters.items()]
-    rms = [(name.split("_"), value) for name, value in fit.rms.items() if value is not None]
+    rms = [(name.rpartition("_")[::2], value) for name, value in fit.rms.items() if value is not None]
     lines.append(f"rms of measured less predicted: {', '.join(f'{n} {value:.6g} {unit}' for (n, unit), value in rms)}")
     lines.append(f"noise: {', '.join(f'{name} {origin}' for name, origin in fit.noise.items())}")
     return "\n".join(lines)

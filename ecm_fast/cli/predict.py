@@ -63,7 +63,7 @@ def _text(rows: int, counts: Mapping[str, int], rms: Mapping[str, float | None])
     kinds = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
     parts = []
     for column, value in rms.items():
-        name, unit = column.split("_")
+        name, _, unit = column.rpartition("_")
         parts.append(f"{name} {'not measured' if value is None else f'{value:.6g} {unit}'}")
     return f"{rows} rows: {kinds}\nrms of measured less predicted: {', '.join(parts)}"
 

@@ -11,18 +11,34 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, did_you_mean
 
-__all__ = ["CAMERA_SIGMA", "CHANNELS", "CHANNEL_KEYS", "COLUMNS", "LOADS", "Column", "column_of", "is_note", "match"]
+__all__ = [
+    "CAMERA_SIGMA",
+    "CHANNELS",
+    "CHANNEL_KEYS",
+    "COLUMNS",
+    "LOADS",
+    "PAIR",
+    "Column",
+    "channel_key",
+    "column_of",
+    "foreign",
+    "is_note",
+    "match",
+    "usual_sigma",
+]
 
 Units = Mapping[str, tuple[float, float]]
 
 LOADS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt")
 """What is set for a row: tendon forces, dead wrench at Q, and what is changed on the test bed."""
+PAIR = ("l", "r")
+"""Names of the two tendons of a neck."""
 CHANNELS = ("x", "z", "theta")
 """What is read of a pose."""
 CHANNEL_KEYS = ("x_m", "z_m", "theta_rad")
 """The same with their units, as files and JSON have them."""
 CAMERA_SIGMA = (1e-4, 1e-4, 1e-3)
-"""[m, m, rad] noise of a camera of which nothing is known."""
+"""[m, m, rad] noise of a camera of which nothing is known; of a length as of a place."""
 
 # SI value = value * times / per. Two factors, because 109 / 1000 is the double nearest 0.109 and 109 * 0.001 is not.
 LENGTH: Units = {"m": (1, 1), "cm": (1, 100), "mm": (1, 1000), "um": (1, 1_000_000)}
@@ -174,8 +190,25 @@ COLUMNS = _declared(
 _ALSO_CALLED = {"time": "t", "angle": "theta", "rotation": "theta", "mass": "extra_mass", "side": "fz", "torque": "tau"}
 _IGNORE = "start its name with note_ to have it ignored"
 
+_NAMED = re.compile(r"(lam|len)_([A-Za-z][A-Za-z0-9_-]*)_([A-Za-z]+)")
+_MARKER = re.compile(r"((?:sigma_)?)([A-Za-z][A-Za-z0-9_-]*)_(x|z|theta)_([A-Za-z]+)")
+
 _SUBJECTS = (*LOADS, *CHANNELS)
 """A file without any of these says nothing about the neck."""
+
+
+def channel_key(channel: str) -> str:
+    """Return a channel with its unit, as files and JSON have it: ``x_m``, ``M1_theta_rad``."""
+    return f"{channel}_{'rad' if _is_angle(channel) else 'm'}"
+
+
+def usual_sigma(channels: Iterable[str]) -> NDArray[np.float64]:
+    """Return the noise of channels of which nothing is known, (c,) [m, rad], see `CAMERA_SIGMA`."""
+    return np.array([CAMERA_SIGMA[2 if _is_angle(channel) else 0] for channel in channels])
+
+
+def _is_angle(channel: str) -> bool:
+    return channel.split("_")[-1] == "theta" and not channel.startswith("len_")
 
 
 def is_note(name: str) -> bool:
@@ -206,7 +239,7 @@ def match(names: Iterable[str]) -> list[tuple[Column, str]]:
         matched.append((column, unit))
     if wrong:
         raise InputError("; ".join([*(text.removesuffix(f"; {_IGNORE}") for text in wrong[:-1]), wrong[-1]]))
-    if not any(name in found for name in _SUBJECTS):
+    if not any(name in found for name in _SUBJECTS) and all(column.name in COLUMNS for column, _ in matched):
         needed = ", ".join(COLUMNS[name].names[0] for name in _SUBJECTS)
         raise InputError(f"gives no load and no pose; at least one of the columns {needed} is needed")
     return matched
@@ -221,6 +254,8 @@ def column_of(name: str, place: int = 1) -> tuple[Column, str]:
     """
     if not name:
         raise InputError(f"column {place} has no name; name it or delete it")
+    if not any(name in column.names for column in COLUMNS.values()) and (named := _named(name)):
+        return named
     # The longest quantity that fits: sigma_x_mm is sigma_x in mm.
     fitting = [column for column in COLUMNS.values() if name == column.name or name.startswith(f"{column.name}_")]
     column = max(fitting, key=lambda column: len(column.name), default=None)
@@ -230,11 +265,33 @@ def column_of(name: str, place: int = 1) -> tuple[Column, str]:
         unit = name[len(column.name) + 1 :]
         wrong = f"{_shown(unit)} is not a unit of {column.name}" if unit else "the unit is missing"
         raise InputError(f"column {_shown(name)}: {wrong}; allowed are {', '.join(column.names)}, or {_IGNORE}")
+    known = ", ".join(column.names[0] for column in COLUMNS.values())
+    hint = foreign(name) or f" (known are {known}; of a robot lam_NAME_N, len_NAME_m, MARKER_x_m)"
+    raise InputError(f"unknown column {_shown(name)}{hint}; {_IGNORE}")
+
+
+def _named(name: str) -> tuple[Column, str] | None:
+    """Return the column of a named tendon or marker, and its unit suffix; None where the name is of no such form."""
+    if found := _NAMED.fullmatch(name):
+        kind, which, unit = found.groups()
+        units, what = (FORCE, "force as read") if kind == "lam" else (LENGTH, "free length")
+        return (
+            (Column(f"{kind}_{which}", units, f"tendon {which}'s {what}", lower=0.0), unit) if unit in units else None
+        )
+    if found := _MARKER.fullmatch(name):
+        sigma, which, channel, unit = found.groups()
+        units = ANGLE if channel == "theta" else LENGTH
+        what = f"{'known noise' if sigma else 'measured value'} of marker {which}'s {channel}"
+        column = Column(f"{sigma}{which}_{channel}", units, what, lower=0.0 if sigma else -math.inf)
+        return (column, unit) if unit in units else None
+    return None
+
+
+def foreign(name: str) -> str:
+    """Return a hint for a column of a tendon or marker that the mechanism has not."""
     every = [allowed for column in COLUMNS.values() for allowed in column.names]
     meant = next((allowed for allowed in every if allowed.lower() == name.lower()), name[:60])
-    known = ", ".join(column.names[0] for column in COLUMNS.values())
-    hint = _tendon(name) or _alike(name) or did_you_mean(meant, every) or f" (known are {known})"
-    raise InputError(f"unknown column {_shown(name)}{hint}; {_IGNORE}")
+    return _tendon(name) or _alike(name) or did_you_mean(meant, every)
 
 
 def _alike(name: str) -> str:

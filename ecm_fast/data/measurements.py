@@ -1,8 +1,8 @@
 """Measurements: loads and poses row by row, in SI units, in the order in which they were taken."""
 
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Self
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, did_you_mean
 from ..files import csv_text, write_whole
-from .columns import COLUMNS, column_of, match
+from .columns import CHANNELS, COLUMNS, PAIR, column_of, match
 from .readers import RawTable, read_table, table_of
 
 __all__ = ["Measurements", "read_measurements"]
@@ -39,6 +39,8 @@ class Measurements:
     columns : names as found in the file, notes left out
     source : where the measurements come from, for messages
     counted : "line" or "row", what `rows` counts
+    named : readings of named tendons and markers by their quantity, ``lam_front``, ``len_front``, ``M1_x``,
+        ``sigma_M1_x``, nan where not given [N, m, m or rad]
     """
 
     lam_l: Floats
@@ -64,10 +66,11 @@ class Measurements:
     columns: tuple[str, ...]
     source: str
     counted: str
+    named: Mapping[str, Floats] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name in _ARRAYS:
-            getattr(self, name).setflags(write=False)
+        for array in (*(getattr(self, name) for name in _ARRAYS), *self.named.values()):
+            array.setflags(write=False)
 
     @classmethod
     def from_columns(cls, columns: Mapping[str, Any], source: str = "measurements") -> Self:
@@ -108,6 +111,31 @@ class Measurements:
         return np.column_stack([self.x, self.z, self.theta])
 
     @property
+    def channels(self) -> tuple[str, ...]:
+        """What is read: x, z, theta of Q; then ``M1_x`` and so on of markers, ``len_front`` and so on of tendons."""
+        return (*CHANNELS, *(name for name in self.named if not name.startswith(("lam_", "sigma_"))))
+
+    def readings(self, channels: Sequence[str]) -> Floats:
+        """Return measured values of `channels`, (n, c) [m, rad], nan where not measured.
+
+        The length of a tendon whose force is not given counts as given, not as measured: nan.
+        """
+        return np.column_stack([self._reading(name) for name in channels])
+
+    def sigmas(self, channels: Sequence[str]) -> Floats:
+        """Return the declared noise of `channels`, (n, c) [m, rad], nan where none is: of markers else that of Q."""
+        return np.column_stack([self._sigma(name) for name in channels])
+
+    def forces(self, names: Sequence[str]) -> Floats:
+        """Return force readings of tendons, (n, m) [N]; nan where only the length is given, 0 where neither is."""
+        return np.column_stack([self._force(name) for name in names])
+
+    def lengths(self, names: Sequence[str]) -> Floats:
+        """Return the lengths of tendons whose forces are not given, (n, m) [m], nan for the others."""
+        given = [self.named.get(f"len_{name}", np.full(self.n, np.nan)) for name in names]
+        return np.where(np.isnan(self.forces(names)), np.column_stack(given), np.nan)
+
+    @property
     def measured(self) -> NDArray[np.bool_]:
         """Which entries of `pose` were measured, (n, 3)."""
         return np.isfinite(self.pose)
@@ -132,7 +160,17 @@ class Measurements:
             raise InputError(f"{self.source}: a selection of shape {np.shape(which)}; allowed is a mask of shape "
                              f"({self.n},) or a list of indices")  # fmt: skip
         others = {entry.name: getattr(self, entry.name) for entry in fields(self)}
-        return type(self)(**{**others, **{name: others[name][chosen] for name in _ARRAYS}})
+        named = {name: values[chosen] for name, values in self.named.items()}
+        return type(self)(**{**others, **{name: others[name][chosen] for name in _ARRAYS}, "named": named})
+
+    def blank(self, which: NDArray[np.bool_], channels: Sequence[str]) -> Self:
+        """Return the same rows with readings blank; which : (n, c), of `channels`."""
+        values = dict(zip(channels, np.where(which, np.nan, self.readings(channels)).T.copy(), strict=True))
+        pose = {name: values.pop(name) for name in CHANNELS if name in values}
+        # a length that is given drives the row: it is no reading
+        given = {name: own for name, own in values.items() if name.startswith("len_")}
+        kept = {name: np.where(np.isnan(self._force(name[4:])), self.named[name], own) for name, own in given.items()}
+        return replace(self, **pose, named={**self.named, **values, **kept})
 
     def with_noise(self, noise: Mapping[str, float]) -> Self:
         """Return the same rows with their noise declared where it is not, e.g. ``{"x_mm": 0.1, "lam_N": 0.2}``.
@@ -182,7 +220,34 @@ class Measurements:
             empty = np.isnan(values) if absent != absent else values == absent
             if name in ("lam_l", "lam_r") or not empty.all():
                 filled[column.names[0]] = values
+        for name, values in self.named.items():
+            filled[f"{name}_{'N' if name.startswith('lam_') else 'rad' if name.endswith('_theta') else 'm'}"] = values
         return filled
+
+    def _reading(self, name: str) -> Floats:
+        if name in CHANNELS:
+            return np.asarray(getattr(self, name))
+        own = self.named.get(name, np.full(self.n, np.nan))
+        return np.where(np.isnan(self._force(name[4:])), np.nan, own) if name.startswith("len_") else own
+
+    def _sigma(self, name: str) -> Floats:
+        if name in CHANNELS:
+            return np.asarray(getattr(self, f"sigma_{name}"))
+        own = self.named.get(f"sigma_{name}", np.full(self.n, np.nan))
+        *_, channel = name.split("_")
+        same = channel in CHANNELS and not name.startswith("len_")
+        return np.where(np.isnan(own), getattr(self, f"sigma_{channel}"), own) if same else own
+
+    def _force(self, name: str) -> Floats:
+        paired = name in PAIR
+        own = getattr(self, f"lam_{name}") if paired else self.named.get(f"lam_{name}", np.zeros(self.n))
+        told = (
+            any(each in self.columns for each in COLUMNS[f"lam_{name}"].names)
+            if paired
+            else f"lam_{name}" in self.named
+        )
+        length = self.named.get(f"len_{name}")
+        return np.asarray(own if told or length is None else np.where(np.isnan(length), own, np.nan))
 
     def __repr__(self) -> str:
         poses = int(self.measured.all(axis=1).sum())
@@ -217,12 +282,16 @@ def _checked(table: RawTable) -> dict[str, Any]:
         name: np.full(n, column.absent) if column.units else np.full(n, "") for name, column in COLUMNS.items()
     }
     bad: list[tuple[int, str]] = []
+    named: dict[str, Floats] = {}
     for (name, cells), (column, unit) in zip(table.columns, matched, strict=True):
-        arrays[column.name], wrong = column.numbers(cells, unit) if unit else column.labels(cells)
+        own: dict[str, Any] = arrays if column.name in COLUMNS else named
+        values, wrong = column.numbers(cells, unit) if unit else column.labels(cells)
+        own[column.name] = values
         bad += [(i, f"{table.counted} {table.rows[i]}, column {name}: {text}") for i, text in wrong.items()]
     if bad:
         raise InputError(_bad_cells(bad))
-    return {**arrays, "rows": np.array(table.rows, dtype=np.int64), "columns": names, "counted": table.counted}
+    rows = np.array(table.rows, dtype=np.int64)
+    return {**arrays, "rows": rows, "columns": names, "counted": table.counted, "named": named}
 
 
 def _bad_cells(bad: list[tuple[int, str]]) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..data.columns import CAMERA_SIGMA
+from ..data.columns import usual_sigma
 from ..data.measurements import Measurements
 from ..data.repeated_rows import repeated_rows, without_poses
 from ..errors import InputError, real, shown
@@ -17,12 +17,13 @@ from ..mechanism.parameters import find, index
 from ..mechanism.sections import STIFFNESSES
 from ..mechanism.vector import pack
 from ..mesh.discretization import Discretization
+from ..models.body import divide
 from ..models.equilibrium import Status
 from ..models.instruments.checks.checks import faults
 from ..models.instruments.checks.finding import Finding
 from .least_squares import NEAR, Loss, Minimum, visible
 from .result import Estimate, Identification, Objective
-from .rows import CHANNELS, RESIDUAL, FitRows, FitSet, Noise, State, check_force_sigma, common_mesh, prior_std
+from .rows import RESIDUAL, FitRows, FitSet, Noise, State, check_force_sigma, common_mesh, prior_std
 from .starts import starts
 from .variance_components import VarianceComponents
 from .warnings import far_off, in_words
@@ -47,7 +48,7 @@ def identify(
     data: Measurements | Sequence[Measurements] | Sequence[str],
     names: Sequence[str] | None = None,
     *,
-    channels: Sequence[str] = CHANNELS,
+    channels: Sequence[str] | None = None,
     priors: Priors | None = None,
     loss: str = "linear",
     loss_scale: float = 1.345,
@@ -67,7 +68,7 @@ def identify(
         they differ from `channels`, the channels that count. The first one's values are the start of all.
     data : one set of measurements or several; the names where `mechanism` holds the experiments
     names : of the parameters, as in `parameters`; any but the axial law. All experiments share them
-    channels : which of x, z, theta count
+    channels : which of x, z, theta, ``M1_x``, ``len_front`` ... count; default all that are measured
     priors : value and standard deviation from other tests, by name: ``{"EA": (7500.0, 75.0)}``
     loss : linear, huber or soft_l1, see `Loss`; the last two hold outliers down
     loss_scale : the residual, in standard deviations, from which on it counts as an outlier
@@ -134,7 +135,7 @@ def fit_parameters(
         return _Fit(FitRows(sets, names, mesh), prior, Loss(loss, loss_scale), level, force_sigma).best()
 
     if elements is not None or order is not None:
-        return run(Discretization.of(1 if elements is None else elements, order))
+        return run(Discretization.of(divide(pack(sets[0].mechanism), elements), order))
     mesh, _ = common_mesh(sets)
     fit = run(mesh)
     # the fit may bend further than the start
@@ -150,7 +151,10 @@ def fit_parameters(
 
 def _faults(sets: Sequence[FitSet], names: Sequence[str]) -> list[list[Finding]]:
     """Return the faults of every experiment's measurements, channels that do not count left out."""
-    return [faults(entry.mechanism, entry.counted, names) if entry.counted.measured.any() else [] for entry in sets]
+    counted = [entry.counted for entry in sets]
+    known = [np.isfinite(data.readings(data.channels)).any() for data in counted]
+    return [faults(entry.mechanism, data, names) if any_ else [] for entry, data, any_ in
+            zip(sets, counted, known, strict=True)]  # fmt: skip
 
 
 def _refuse(sets: Sequence[FitSet], found: Sequence[Sequence[Finding]]) -> None:
@@ -203,7 +207,7 @@ class _Fit:
 
     def _merit(self, fit: Identification) -> tuple[bool, int, float]:
         """Return how good a fit is: whether it settled, how many readings it counts, how near it comes to them."""
-        sigma = np.where(np.isnan(self.rows.declared), CAMERA_SIGMA, self.rows.declared)
+        sigma = np.where(np.isnan(self.rows.declared), usual_sigma(self.rows.channels), self.rows.declared)
         place, center, spread = self.prior[:, 0].astype(int), self.prior[:, 1], self.prior[:, 2]
         with np.errstate(over="ignore"):  # a noise declared as next to nothing: infinitely far off
             off = self.loss.total((fit.residual / sigma)[fit.used])
@@ -254,7 +258,7 @@ class _Fit:
                              f"at least {unknown} are needed")  # fmt: skip
 
     def _objective(self, weights: Array, used: Mask) -> Objective:
-        """Return the sum of squares with given weights: the readings in use, (n, 3), then the priors."""
+        """Return the sum of squares with given weights: the readings in use, (n, c), then the priors."""
         rows, rows_in_use = self.rows, used.any(axis=1)
         p = len(rows.names)
         place, center, spread = self.prior[:, 0].astype(int), self.prior[:, 1], self.prior[:, 2]
@@ -317,10 +321,11 @@ class _Fit:
             parameters=estimates,
             covariance=covariance,
             correlation=correlation,
+            channels=rows.channels,
             residual=rows.residual(state),
             used=self.used,
             sigma=np.where(self.used, noise.sigma if spread is None else spread.sigma, np.nan),
-            noise=_origins(noise.origin, self.used),
+            noise=_origins(rows.channels, noise.origin, self.used),
             left_out=tuple(self._left_out(state)),
             chi2=chi2,
             dof=dof,
@@ -378,7 +383,7 @@ def _doubtful(fit: Identification, measured: Array) -> bool:
 
 
 def _experiments(
-    mechanism: Any, data: Any, names: Sequence[str] | None, channels: Sequence[str]
+    mechanism: Any, data: Any, names: Sequence[str] | None, channels: Sequence[str] | None
 ) -> tuple[list[str], list[FitSet]]:
     """Return names and experiments of either way to call `identify`."""
     if isinstance(mechanism, Mechanism):
@@ -395,7 +400,8 @@ def _experiments(
     if len({index(name) for name in wanted}) < len(wanted):
         raise InputError(f"a parameter is named twice in {', '.join(wanted)}")
     whole = [(*entry, channels)[:3] for entry in experiments]
-    return wanted, [FitSet(built, measured, tuple(counted)) for built, measured, counted in whole]
+    return wanted, [FitSet(built, measured, None if counted is None else tuple(counted)) for built, measured, counted
+                    in whole]  # fmt: skip
 
 
 def _prior(names: Sequence[str], priors: Priors) -> Array:
@@ -434,7 +440,7 @@ def t_quantile(level: float, dof: float) -> float:
     return float(ndtri(p) if np.isinf(dof) else stdtrit(dof, p))
 
 
-def _origins(origin: NDArray[np.str_], used: Mask) -> dict[str, str]:
+def _origins(channels: Sequence[str], origin: NDArray[np.str_], used: Mask) -> dict[str, str]:
     """Return by channel where the standard deviations of its readings come from."""
-    found = {name: sorted(set(origin[used[:, i], i].tolist())) for i, name in enumerate(CHANNELS)}
+    found = {name: sorted(set(origin[used[:, i], i].tolist())) for i, name in enumerate(channels)}
     return {name: " and ".join(kinds) for name, kinds in found.items() if kinds}

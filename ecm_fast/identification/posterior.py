@@ -15,8 +15,8 @@ from ..mechanism.mechanism import Mechanism
 from ..mechanism.parameters import index
 from ..mechanism.vector import pack
 from ..models.equilibrium import Status
-from ..models.instruments.measuring_chain import MeasuringChain
 from ..models.instruments.mesh_choice import mesh_for
+from ..models.instruments.robot_chain import chain_of
 from ..models.loads import last_step
 from .identify import identify, t_quantile
 
@@ -164,7 +164,7 @@ class _Density:
         self.lower, self.upper = np.array([limits(name, pack(fit.mechanism)) for name in names]).T
         self._places = [index(name) for name in names]
         self._par = pack(fit.mechanism)
-        self._chain = MeasuringChain(mesh_for(self._par, data)[0], data)
+        self._chain = chain_of(fit.mechanism, data, mesh_for(fit.mechanism, data)[0])
         self._data, self._used = data, fit.used
         self._whiten = self._whitening(fit.sigma, force_sigma)
         self._priors = [(list(names).index(name), value, std) for name, (value, std) in priors.items()]
@@ -175,11 +175,12 @@ class _Density:
         self._most = float(self._gaussian(self.best[None])[0])
 
     def _whitening(self, sigma: Array, force_sigma: float) -> Array:
-        """Return the matrices (n, 3, 3) that make a row's errors independent and of unit size."""
+        """Return the matrices (n, c, c) that make a row's errors independent and of unit size."""
         slopes = self._chain.sensitivities((), self._par, last_step(_TOLERANCE)).jacobian
         both = self._used[:, :, None] & self._used[:, None, :]
         covariance = np.where(both, force_sigma**2 * slopes @ slopes.transpose(0, 2, 1), 0.0)
-        covariance[:, range(3), range(3)] += np.where(self._used, sigma, 1.0) ** 2
+        diagonal = np.arange(sigma.shape[1])
+        covariance[:, diagonal, diagonal] += np.where(self._used, sigma, 1.0) ** 2
         return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)) * self._used[:, None, :], dtype=np.float64)
 
     def __call__(self, values: Array) -> Array:
@@ -201,7 +202,7 @@ class _Density:
         self.solves += len(par) * self._data.n
         pose, status = self._chain.solve_many(par, last_step(_TOLERANCE))
         stable = ((status == Status.CONVERGED) | ~self._used.any(axis=1)).all(axis=1)
-        off = np.where(self._used, self._data.pose - pose, 0.0)
+        off = np.where(self._used, self._data.readings(self._chain.channels) - pose, 0.0)
         errors = np.einsum("nij,wnj->wni", self._whiten, off)
         total = np.where(stable, -0.5 * np.einsum("wni,wni->w", errors, errors), -np.inf)
         for place, value, std in self._priors:

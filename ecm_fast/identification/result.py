@@ -8,11 +8,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data.columns import COLUMNS
+from ..data.columns import channel_key
 from ..errors import InputError, did_you_mean
 from ..mechanism.mechanism import Mechanism
 from .least_squares import NEAR, Loss, Minimum, Residuals, minimize
-from .rows import CHANNELS
 
 __all__ = ["Estimate", "Identification", "Objective", "Profile"]
 
@@ -115,9 +114,10 @@ class Identification:
     parameters : estimates by name
     covariance : (p, p), inf on the diagonal where the data do not see a parameter
     correlation : (p, p), nan where one of the two is not seen
-    residual : (n, 3) measured less predicted x, z, theta [m, m, rad], the experiments one below the other
-    used : (n, 3) which of these entries the fit counted
-    sigma : (n, 3) standard deviation that each reading of the camera was given
+    channels : what is read: x, z, theta of Q, then what the measurements name of markers and tendons
+    residual : (n, c) measured less predicted [m, rad], the experiments one below the other
+    used : (n, c) which of these entries the fit counted
+    sigma : (n, c) standard deviation that each reading of the camera was given
     noise : by channel, where these come from: declared, replicates or residual
     left_out : place and reason of every row that holds a reading to fit but could not be used
     chi2, dof : weighted sum of squares without priors, and its degrees of freedom
@@ -131,6 +131,7 @@ class Identification:
     parameters: Mapping[str, Estimate]
     covariance: Array
     correlation: Array
+    channels: tuple[str, ...]
     residual: Array
     used: NDArray[np.bool_]
     sigma: Array
@@ -178,8 +179,8 @@ class Identification:
         """Root mean square of `residual` by channel, ``x_m``, ``z_m``, ``theta_rad``, fitted or not."""
         known = [column[np.isfinite(column)] for column in self.residual.T]
         return {
-            COLUMNS[name].names[0]: float(np.sqrt(np.mean(entries**2))) if entries.size else None
-            for name, entries in zip(CHANNELS, known, strict=True)
+            channel_key(name): float(np.sqrt(np.mean(entries**2))) if entries.size else None
+            for name, entries in zip(self.channels, known, strict=True)
         }
 
     def profile(self, name: str, points: int = 11) -> Profile:

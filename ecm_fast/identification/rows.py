@@ -1,12 +1,12 @@
 """The rows of a fit: several experiments as one system, and the noise of each reading."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data.columns import CHANNELS, COLUMNS
+from ..data.columns import COLUMNS, usual_sigma
 from ..data.measurements import Measurements
 from ..errors import InputError, real, shown
 from ..mechanism.derived import limits
@@ -15,11 +15,12 @@ from ..mechanism.parameters import find, index
 from ..mechanism.vector import pack
 from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
-from ..models.instruments.measuring_chain import CHANGES, MeasuringChain, row_parameters
+from ..models.instruments.measuring_chain import CHANGES, row_parameters
 from ..models.instruments.mesh_choice import mesh_for
+from ..models.instruments.robot_chain import chain_of
 from .variance_components import VarianceComponents, variance_components
 
-__all__ = ["CHANNELS", "FitRows", "FitSet", "Noise", "State", "check_force_sigma", "common_mesh", "prior_std"]
+__all__ = ["FitRows", "FitSet", "Noise", "State", "check_force_sigma", "common_mesh", "prior_std"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -41,20 +42,22 @@ class FitSet:
 
     mechanism: Mechanism
     data: Measurements
-    channels: tuple[str, ...] = CHANNELS
+    channels: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
-        for name in self.channels:
-            if name not in CHANNELS:
-                raise InputError(f"channel = {name!r}: allowed is {' or '.join(map(repr, CHANNELS))}")
-        if not self.channels:
-            raise InputError(f"{self.data.source}: no channel to fit; allowed are {', '.join(CHANNELS)}")
+        for name in self.channels or ():
+            if name not in self.data.channels:
+                raise InputError(f"channel = {name!r}: allowed is {' or '.join(map(repr, self.data.channels))}")
+        if self.channels == ():
+            raise InputError(f"{self.data.source}: no channel to fit; allowed are {', '.join(self.data.channels)}")
 
     @property
     def counted(self) -> Measurements:
         """The measurements with the channels blank that do not count."""
-        x, z, theta = np.where(np.isin(CHANNELS, self.channels), self.data.pose, np.nan).T.copy()
-        return replace(self.data, x=x, z=z, theta=theta)
+        if self.channels is None:
+            return self.data
+        left_out = ~np.isin(self.data.channels, self.channels)
+        return self.data.blank(np.broadcast_to(left_out, (self.data.n, left_out.size)), self.data.channels)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,9 +67,9 @@ class State:
     Attributes
     ----------
     values : (p,)
-    pose : (n, 3) [m, m, rad], nan without an equilibrium
-    by : (n, 3, p) the pose's derivatives by the parameters
-    dpose_dlam : (n, 3, 2) by the tendon forces
+    pose : (n, c) readings [m, rad], nan without an equilibrium
+    by : (n, c, p) their derivatives by the parameters
+    dpose_dlam : (n, c, m) by the tendon forces
     status : (n,) values of `Status`
     """
 
@@ -99,10 +102,11 @@ def common_mesh(sets: Sequence[FitSet], start: Discretization | None = None) -> 
 
     start : the coarsest that may be returned, see `mesh_choice.mesh_for`
     """
-    mesh, unresolved = Discretization.of(1) if start is None else start, 0
+    mesh, unresolved = start, 0
     for entry in sets:
-        mesh, excess = mesh_for(pack(entry.mechanism), entry.data, mesh)
+        mesh, excess = mesh_for(entry.mechanism, entry.data, mesh)
         unresolved += int((excess > 1.0).sum())
+    assert mesh is not None
     return mesh, unresolved
 
 
@@ -122,14 +126,18 @@ class FitRows:
         self.sets, self.names, self.mesh = tuple(sets), tuple(names), mesh
         self.places = [index(name) for name in names]
         self._bases = [pack(entry.mechanism) for entry in sets]
+        self.channels = tuple(dict.fromkeys(name for entry in sets for name in entry.data.channels))
+        shares = _shares(sets, only)
         self._chains = [
-            MeasuringChain(mesh, entry.data, own) for entry, own in zip(sets, _shares(sets, only), strict=True)
+            chain_of(entry.mechanism, entry.data, mesh, own, self.channels)
+            for entry, own in zip(sets, shares, strict=True)
         ]
         self._memory: list[State] = []
         self.solves = 0
-        self.measured = self.joined("pose")
-        wanted = [np.isin(CHANNELS, entry.channels) & entry.data.measured for entry in sets]
-        self.wanted: Mask = np.concatenate(wanted)
+        self.measured = np.concatenate([entry.data.readings(self.channels) for entry in sets])
+        counted = [np.isin(self.channels, entry.channels or self.channels) for entry in sets]
+        counts = np.repeat(counted, [entry.data.n for entry in sets], axis=0)
+        self.wanted: Mask = counts & np.isfinite(self.measured)
         self.member = np.repeat(np.arange(len(sets)), [entry.data.n for entry in sets])
         for base, entry in zip(self._bases, sets, strict=True):
             row_parameters(base, entry.data)  # complains about a row that cannot be, before anything is solved
@@ -145,8 +153,8 @@ class FitRows:
 
     @property
     def declared(self) -> Array:
-        """Noise that the readings declare, (n, 3) [m, m, rad], nan where they do not."""
-        return np.column_stack([self.joined(f"sigma_{name}") for name in CHANNELS])
+        """Noise that the readings declare, (n, c) [m, rad], nan where they do not."""
+        return np.concatenate([entry.data.sigmas(self.channels) for entry in self.sets])
 
     def where(self, i: int) -> str:
         """Return the place of a row as a user finds it."""
@@ -184,7 +192,7 @@ class FitRows:
         return state
 
     def residual(self, state: State) -> Array:
-        """Return measured less predicted, (n, 3) [m, m, rad], nan where either is missing."""
+        """Return measured less predicted, (n, c) [m, rad], nan where either is missing."""
         return self.measured - state.pose
 
 
@@ -194,9 +202,9 @@ class Noise:
 
     Attributes
     ----------
-    sigma : (n, 3) standard deviation of each reading of the camera [m, m, rad]; nan where the residual has to tell
+    sigma : (n, c) standard deviation of each reading of the camera [m, rad]; nan where the residual has to tell
     force : (n,) of each reading of the force cells [N]
-    origin : (n, 3) where each sigma comes from
+    origin : (n, c) where each sigma comes from
     dof : degrees of freedom behind the least known of the known ones
     """
 
@@ -217,8 +225,8 @@ class Noise:
         none = rows.wanted & (sigma == 0.0)
         if none.any():
             i, channel = np.argwhere(none)[0]
-            raise InputError(f"{rows.where(i)}: sigma_{CHANNELS[channel]} = 0: a fit weighs readings by their noise; "
-                             "leave the column out where it is not known")  # fmt: skip
+            raise InputError(f"{rows.where(i)}: sigma_{rows.channels[channel]} = 0: a fit weighs readings by their "
+                             "noise; leave the column out where it is not known")  # fmt: skip
         force = rows.joined("sigma_lam") if force_sigma is None else np.full(rows.n, force_sigma)
         force, sigma = np.nan_to_num(force), np.maximum(sigma, _SMALLEST_SIGMA)
         origin = np.where(np.isfinite(sigma), DECLARED, RESIDUAL).astype(f"U{len(REPLICATES)}")
@@ -243,7 +251,7 @@ class Noise:
         residual, carried = rows.residual(start), self.carried(start)
         _, load = np.unique(np.rec.fromarrays([rows.member.astype(str), labels]), return_inverse=True)
         for number in range(len(rows.sets)):
-            for channel in range(3):
+            for channel in range(len(rows.channels)):
                 here = (rows.member == number) & missing[:, channel] & (labels != "") & start.stable
                 dof, variance = _pooled(residual[here, channel], load[here])
                 if dof >= _FEWEST_REPEATS:
@@ -254,7 +262,7 @@ class Noise:
         return Noise(sigma, self.force, origin, least)
 
     def filled(self, rows: FitRows, state: State, used: Mask) -> Array:
-        """Return `sigma` with the robust scale of the residual where nothing else is known, (n, 3).
+        """Return `sigma` with the robust scale of the residual where nothing else is known, (n, c).
 
         The scale is that of the median of the residuals' sizes, which outliers do not spoil. The parameters' degrees of
         freedom are shared among the channels by how many readings each has.
@@ -280,7 +288,7 @@ class Noise:
         groups = self._groups(rows, used)
         if not groups:
             return None
-        masks = np.zeros((len(groups), rows.n, 3), dtype=bool)
+        masks = np.zeros((len(groups), *used.shape), dtype=bool)
         for mask, (here, channel) in zip(masks, groups, strict=True):
             mask[:, channel] = here
         return variance_components(
@@ -288,6 +296,7 @@ class Noise:
             np.where(used[:, :, None], state.by, 0.0),
             self.sigma,
             masks,
+            usual_sigma(rows.channels),
             lambda sigma: self.whitening(sigma, state, used),
             prior,
             robust=robust,
@@ -296,27 +305,27 @@ class Noise:
     def _groups(self, rows: FitRows, used: Mask) -> list[tuple[Mask, int]]:
         """Return rows (n,) and channel of readings that share a variance nobody knows."""
         missing = used & np.isnan(self.sigma)
-        each = [(missing[:, i] & (rows.member == k), i) for k in range(len(rows.sets)) for i in range(3)]
+        each = [(missing[:, i] & (rows.member == k), i) for k in range(len(rows.sets)) for i in range(used.shape[1])]
         return [(here, channel) for here, channel in each if here.any()]
 
     def carried(self, state: State) -> Array:
-        """Return the covariance that the force cells' noise makes in the pose, (n, 3, 3)."""
+        """Return the covariance that the force cells' noise makes in the readings, (n, c, c)."""
         if not self.force.any():
-            return np.zeros((len(state.pose), 3, 3))
+            return np.zeros((*state.pose.shape, state.pose.shape[1]))
         scaled = np.nan_to_num(state.dpose_dlam) * self.force[:, None, None]
         return scaled @ scaled.transpose(0, 2, 1)
 
     def whitening(self, sigma: Array, state: State, used: Mask) -> Array:
-        """Return the matrices (n, 3, 3) that make the errors of a row independent and of unit size, 0 where unused."""
+        """Return the matrices (n, c, c) that make the errors of a row independent and of unit size, 0 where unused."""
         diagonal = np.where(used, sigma, 1.0)
-        out = np.zeros((len(sigma), 3, 3))
+        out, each = np.zeros((*sigma.shape, sigma.shape[1])), np.arange(sigma.shape[1])
         if self.force.any():
             covariance = self.carried(state) * (used[:, :, None] & used[:, None, :])
-            covariance[:, range(3), range(3)] *= 1.0 + _ROUNDING
-            covariance[:, range(3), range(3)] += diagonal**2
+            covariance[:, each, each] *= 1.0 + _ROUNDING
+            covariance[:, each, each] += diagonal**2
             out[:] = np.linalg.inv(np.linalg.cholesky(covariance))
         else:
-            out[:, range(3), range(3)] = 1.0 / diagonal
+            out[:, each, each] = 1.0 / diagonal
         return out * used[:, None, :]
 
 

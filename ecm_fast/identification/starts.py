@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data.columns import CAMERA_SIGMA, LOADS
+from ..data.columns import LOADS, usual_sigma
 from ..mechanism.parameters import find
 from .result import Objective
 from .rows import FitRows
@@ -23,7 +23,7 @@ _NEAR_ENOUGH = 0.1  # standard deviations: a start need not be a minimum
 def starts(rows: FitRows, objective: Callable[[Array, Mask], Objective], start: Array) -> Iterator[Array]:
     """Yield values (p,) to fit from, besides `start`: few, and each in another valley where there is one.
 
-    objective : from weights (n, 3, 3) and the readings in use (n, 3) to the sum of squares
+    objective : from weights (n, c, c) and the readings in use (n, c) to the sum of squares
     """
     eased = _by_load(rows, objective, start)
     lower, upper = rows.bounds()
@@ -44,7 +44,7 @@ def _by_load(rows: FitRows, objective: Callable[[Array, Mask], Objective], start
     values, moved = start, False
     loads = np.column_stack([rows.joined(name) for name in LOADS])
     size = np.linalg.norm(loads / np.maximum(np.abs(loads).max(axis=0), 1e-300), axis=1)
-    sigma = np.array(CAMERA_SIGMA)
+    sigma = usual_sigma(rows.channels)
     counted = rows.wanted.any(axis=1)
     for share in _SHARES:
         state = rows.at(values)
@@ -52,7 +52,7 @@ def _by_load(rows: FitRows, objective: Callable[[Array, Mask], Objective], start
         used = rows.wanted & (state.stable & small)[:, None]
         if int(used.sum()) < values.size:
             continue
-        sum_of_squares = objective(np.eye(3) / sigma * used[:, None, :], used)
+        sum_of_squares = objective(np.eye(sigma.size) / sigma * used[:, None, :], used)
         found = sum_of_squares.minimum(values, _NEAR_ENOUGH)
         values, moved = found.values, True
     return values if moved else None

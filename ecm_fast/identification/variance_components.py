@@ -17,8 +17,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data.columns import CAMERA_SIGMA
-
 __all__ = ["VarianceComponents", "variance_components"]
 
 Array = NDArray[np.float64]
@@ -41,7 +39,7 @@ class VarianceComponents:
 
     Attributes
     ----------
-    sigma : (n, 3) standard deviation of each reading, the known ones among them [m, m, rad]
+    sigma : (n, c) standard deviation of each reading, the known ones among them [m, rad]
     covariance : (p, p) of the parameters; of a robust fit what `sigma` as it is would make of them
     dof : (p,) degrees of freedom of Student's t of each parameter
     """
@@ -56,6 +54,7 @@ def variance_components(
     jacobian: Array,
     sigma: Array,
     groups: Mask,
+    usual: Array,
     whitening: Callable[[Array], Array],
     prior: tuple[Array, Array],
     *,
@@ -65,16 +64,17 @@ def variance_components(
 
     Parameters
     ----------
-    residual : (n, 3) measured less predicted [m, m, rad], 0 where unused
-    jacobian : (n, 3, p) derivatives of the prediction, 0 where unused
-    sigma : (n, 3) the standard deviations that are known
-    groups : (k, n, 3) readings of one channel that share an unknown variance
-    whitening : from `sigma` to the matrices (n, 3, 3) that make a row's errors independent and of unit size
+    residual : (n, c) measured less predicted [m, rad], 0 where unused
+    jacobian : (n, c, p) derivatives of the prediction, 0 where unused
+    sigma : (n, c) the standard deviations that are known
+    groups : (k, n, c) readings of one channel that share an unknown variance
+    usual : (c,) noise of a channel of which nothing is known
+    whitening : from `sigma` to the matrices (n, c, c) that make a row's errors independent and of unit size
     prior : normal matrix (p, p) and right-hand side (p,) of what is known of the parameters beside the readings
     robust : take the residuals as they are, and the median of their sizes instead of their squares
     """
     channels = groups.any(axis=1).argmax(axis=1)
-    camera = 2.0 * np.log(np.array(CAMERA_SIGMA)[channels])
+    usual = 2.0 * np.log(usual[channels])
     k = len(groups)
     ties = (np.eye(k) - 1.0 / k) / (2.0 * _RATIO_STD) ** 2
 
@@ -83,12 +83,12 @@ def variance_components(
         return _step(residual, jacobian, filled, groups, whitening(filled), prior, robust)
 
     smallest = 2.0 * np.log(_SMALLEST_SIGMA)
-    there = at(camera)
+    there = at(usual)
     start = np.log(max(float(there.squares.sum()), 1e-300) / max(float(there.dof.sum()), _LEAST))
-    log_variance = np.maximum(camera + start, smallest)
+    log_variance = np.maximum(usual + start, smallest)
     for _ in range(_STEPS):
         there = at(log_variance)
-        score = 0.5 * (there.squares - there.dof) - ties @ (log_variance - camera)
+        score = 0.5 * (there.squares - there.dof) - ties @ (log_variance - usual)
         step = np.clip(np.linalg.solve(there.information + ties, score), -_LONGEST, _LONGEST)
         moved = np.maximum(log_variance + step, smallest)
         if np.abs(moved - log_variance).max() <= _CLOSE:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data.columns import CAMERA_SIGMA, CHANNELS
+from ..data.columns import channel_key, usual_sigma
 from .result import Identification
 from .rows import RESIDUAL
 
@@ -32,7 +32,7 @@ def in_words(
     fit : as found
     prior : (k, 3) place, value and standard deviation
     seen : singular values and directions of what the data see, priors left out, see `least_squares.visible`
-    measured : (n, 3) the readings [m, m, rad]
+    measured : (n, c) the readings [m, rad]
     known : whether the noise is known from elsewhere than the residual
     """
     texts = [
@@ -121,7 +121,7 @@ def _correlated(fit: Identification) -> Iterator[str]:
 def far_off(fit: Identification, measured: Array) -> dict[str, tuple[float, float]]:
     """Return by channel rms and share of the readings' spread that a fit leaves, where both are large."""
     found = {}
-    for i, (name, sigma) in enumerate(zip(CHANNELS, CAMERA_SIGMA, strict=True)):
+    for i, (name, sigma) in enumerate(zip(fit.channels, usual_sigma(fit.channels), strict=True)):
         here = fit.used[:, i]
         if int(here.sum()) < _FEW_ROWS:
             continue
@@ -136,7 +136,7 @@ def _far_off(fit: Identification, measured: Array, known: bool) -> Iterator[str]
     if known:
         return
     for name, (rms, share) in far_off(fit, measured).items():
-        unit = "rad" if name == "theta" else "m"
+        unit = channel_key(name).rpartition("_")[2]
         yield (f"the fit leaves {rms:.3g} {unit} of {name}, {share:.0%} of what it varies by: something is missing in "
                f"the model, or another start finds a better minimum")  # fmt: skip
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..data.columns import PAIR
 from ..errors import InputError, did_you_mean, real, shown
 from ..kernels.layout import L_FX, L_GRAVITY, L_LAM_3, L_LAM_L, L_LAM_R, L_PRESTRAIN, N_LOADS
 from ..mechanism.catalogue import CATALOGUE, FULL_SCALE, LARGEST_PUSH
@@ -31,7 +32,6 @@ __all__ = [
 
 Array = NDArray[np.float64]
 Names = tuple[str, ...]
-PAIR: Names = ("l", "r")
 LAM_PLACES = (L_LAM_L, L_LAM_R, *range(L_LAM_3, N_LOADS))
 """Places of tendon forces among the kernels' loads."""
 # Newton's method leaves at most this times the square of its last step (measured: 0.4 under tendons, 1.2 with wrenches)

@@ -42,7 +42,7 @@ def refused(read: Any, tmp_path: Path) -> Any:
 def test_the_fields_are_the_declared_columns() -> None:
     """Contract: one field a declared column."""
     names = [entry.name for entry in fields(Measurements)]
-    assert names == [*COLUMNS, "rows", "columns", "source", "counted"]
+    assert names == [*COLUMNS, "rows", "columns", "source", "counted", "named"]
 
 
 def test_a_file_in_millimeters_and_degrees(read: Any, tmp_path: Path) -> None:
@@ -176,7 +176,6 @@ def test_repr(read: Any, tmp_path: Path) -> None:
         ("x_inch", "column 'x_inch': 'inch' is not a unit of x; allowed are x_m, x_cm, x_mm, x_um, or start"),
         ("lam_l_lbf", "column 'lam_l_lbf': 'lbf' is not a unit of lam_l; allowed are lam_l_N, lam_l_kN, lam_l_mN, or"),
         ("sigma_x_deg", "'deg' is not a unit of sigma_x; allowed are sigma_x_m, sigma_x_cm, sigma_x_mm, sigma_x_um"),
-        ("lam_left_N", "unknown column 'lam_left_N' (did you mean 'lam_l_N'?); start its name with note_ to have it"),
         ("left_N", "unknown column 'left_N' (did you mean 'lam_l_N'?); start its name"),
         ("tendon_right", "unknown column 'tendon_right' (did you mean 'lam_r_N'?); start its name"),
         ("X_mm", "unknown column 'X_mm' (did you mean 'x_mm'?); start its name"),

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from ecm_fast import FiniteElementModel, Mechanism, diagnose, predict
-from ecm_fast.mechanism.vector import pack
 from ecm_fast.models.instruments.mesh_choice import mesh_for
 from ecm_fast.testbed import Sensors, measure, tendon_test
 
@@ -19,7 +18,7 @@ def bent():
 
 def test_the_mesh_follows_the_noise(bent):
     """Convergence: the error of every row, against twice as many elements, is below a tenth of its noise."""
-    mesh, excess = mesh_for(pack(LONG), bent)
+    mesh, excess = mesh_for(LONG, bent)
     assert (mesh.n_elements, mesh.order) > (1, 5)
     assert np.nanmax(excess) <= 1.0
     own = FiniteElementModel(LONG, mesh.shares, mesh.order).solve_batch(bent.lam, bent.wrench)
@@ -33,7 +32,7 @@ def test_a_gentle_neck_keeps_one_element():
     """The estimate of one element of order 5 under the paper's tendons is far below the camera's noise."""
     neck = Mechanism.preset("slender")
     data = measure(neck, tendon_test(20, seed=1), Sensors(), seed=1)
-    mesh, _ = mesh_for(pack(neck), data)
+    mesh, _ = mesh_for(neck, data)
     assert (mesh.n_elements, mesh.order) == (1, 5)
 
 

@@ -45,7 +45,9 @@ def split(residual: np.ndarray, jacobian: np.ndarray, *, robust: bool = False) -
         return np.eye(3) / sigma[:, :, None]
 
     prior = np.zeros((p, p)), np.zeros(p)
-    return variance_components(residual, jacobian, np.full((n, 3), np.nan), groups, whitening, prior, robust=robust)
+    return variance_components(
+        residual, jacobian, np.full((n, 3), np.nan), groups, CAMERA, whitening, prior, robust=robust
+    )
 
 
 def covered(count: int, noise: np.ndarray, columns: list[int], runs: int, seed: int) -> np.ndarray:
@@ -159,7 +161,7 @@ def test_one_channel_is_the_textbook_fit_of_a_line():
         return np.eye(3) / np.nan_to_num(filled, nan=np.inf)[:, :, None]
 
     prior = np.zeros((2, 2)), np.zeros(2)
-    found = variance_components(residual, jacobian, sigma, mask, whitening, prior, robust=False)
+    found = variance_components(residual, jacobian, sigma, mask, CAMERA, whitening, prior, robust=False)
     line = stats.linregress(t, y)
     np.testing.assert_allclose(found.dof, 5.0, rtol=1e-6)
     assert np.sqrt(found.covariance[1, 1]) == pytest.approx(line.stderr, rel=1e-6)

@@ -33,7 +33,7 @@ from .front import back_substitute, band_of, newton_step, solve_spd3
 from .section import section_law
 from .tip import force_slopes, plate_turn, tendon_directions, tip_wrench
 
-__all__ = ["pose_sensitivities", "prepare_complex", "tip_derivatives"]
+__all__ = ["STEP", "pose_sensitivities", "prepare_complex", "reaction", "residual_change", "tip_derivatives"]
 
 # of the complex step: no difference is taken, so it only has to be far below rounding
 STEP = 1e-100
@@ -171,7 +171,7 @@ def _changes(constants):
 
 
 @kernel
-def _residual_change(tables, stations, tip, q_rest, loads, q, reaction, q_complex, res, K):
+def residual_change(tables, stations, tip, q_rest, loads, q, reaction, q_complex, res, K):
     """Derivative of the residual by the parameter in which `prepare_complex` stepped, into res.imag / STEP.
 
     reaction : (3,)   the beam's force and couple on its clamp
@@ -207,7 +207,7 @@ def _residual_change(tables, stations, tip, q_rest, loads, q, reaction, q_comple
 
 
 @kernel
-def _reaction(tables, stations, loads, q, res):
+def reaction(tables, stations, loads, q, res):
     """Force and couple of the beam on its clamp, into the first three entries of `res`, (3 n_a or more,)."""
     n_gauss, n_a = sizes(tables)
     m = 3 * n_a
@@ -250,7 +250,7 @@ def pose_sensitivities(
             turn = plate_turn(tip, loads[i], x, z, theta, work)
         pose[i, 0], pose[i, 1], pose[i, 2] = x, z, theta
         _unit_responses(work, m, tip, compliance[i], turn, W)
-        _reaction(tables, stations, loads[i], q[i], step)
+        reaction(tables, stations, loads[i], q[i], step)
         if stiffness[0] >= 0 or stiffness[1] >= 0 or stiffness[2] >= 0:
             _by_stiffness(tables, stations, loads[i], q[i], W, spare[0], spare[1], spare[2])
             for k in range(3):
@@ -258,7 +258,7 @@ def pose_sensitivities(
                     by[i, :, stiffness[k]] = spare[k]
         for k in range(which.shape[0]):
             own = c_stations[k], c_tip[k], c_q_rest[k]
-            turned = _residual_change(tables, *own, loads[i], q[i], step[:3], c_q, c_res, c_K)
+            turned = residual_change(tables, *own, loads[i], q[i], step[:3], c_q, c_res, c_K)
             for row in range(3):
                 total = turned.imag if row == 2 else 0.0
                 for a in range(q.shape[1]):

@@ -25,11 +25,13 @@ from ..layout import (
     T_PULLEY_LX,
     T_REACH_L,
 )
+from ..prepare import prepare
 from ..trig import sincos
 from .front import band_of, newton_step, solve_factored, solve_spd3
+from .sensitivity import STEP, prepare_complex, reaction, residual_change
 from .tip import chord, tendon
 
-__all__ = ["tendon_derivatives", "tendon_lengths"]
+__all__ = ["node_derivatives", "tendon_derivatives", "tendon_lengths"]
 
 
 @kernel
@@ -41,8 +43,10 @@ def _tendon_of(place):
 @kernel
 def _chord_length(pulley_x, attach_x, length, e_x, e_z, free, reach):
     """Free length and what is wrapped, [T1] of `reference.tip`; continuous to half a turn of the tendon's line."""
-    wrapped = np.arctan2(e_z, e_x) if pulley_x > length + attach_x else np.arctan2(-e_z, -e_x)
-    return free + reach * wrapped
+    side = 1.0 if pulley_x.real > length.real + attach_x.real else -1.0
+    x, z = side * e_x.real, side * e_z.real
+    # of a complex step the first order: e is a unit vector
+    return free + reach * (np.arctan2(z, x) + x * side * (e_z - e_z.real) - z * side * (e_x - e_x.real))
 
 
 @kernel
@@ -71,9 +75,9 @@ def tendon_lengths(basis, stations, tip, q, length, gradient, gain):
         s, c = sincos(theta)
         w, inv_h = station[S_WEIGHT], station[S_INV_H]
         gamma_x, gamma_z, kappa = inv_h * (dx * c - dz * s), inv_h * (dx * s + dz * c), inv_h * dtheta
-        for k in range(int(station[S_GUIDES])):
+        for k in range(int(station[S_GUIDES].real)):
             own = station[S_GUIDE + N_GUIDE * k : S_GUIDE + N_GUIDE * (k + 1)]
-            t = _tendon_of(int(own[0]))
+            t = _tendon_of(int(own[0].real))
             t_x, t_z = gamma_x + own[1] * kappa, gamma_z + own[2]
             stretch = np.sqrt(t_x * t_x + t_z * t_z)
             e_x, e_z = t_x / stretch, t_z / stretch
@@ -97,9 +101,9 @@ def tendon_lengths(basis, stations, tip, q, length, gradient, gain):
         length[i] = _chord_length(p_x, a_x, tip[T_LENGTH], e_x, e_z, free, reach)
         gradient[i, n - 3], gradient[i, n - 2], gradient[i, n - 1] = -e_x, -e_z, r_x * e_z - r_z * e_x
         gain[i] = tip[T_GAIN_L + i]
-    for i in range(int(tip[T_CHORDS])):
+    for i in range(int(tip[T_CHORDS].real)):
         own = tip[T_CHORD + N_CHORD * i : T_CHORD + N_CHORD * (i + 1)]
-        t = _tendon_of(int(own[0]))
+        t = _tendon_of(int(own[0].real))
         e_x, e_z, free, r_x, r_z = chord(tip, i, x, z, s, c)
         length[t] = _chord_length(own[3], own[1], tip[T_LENGTH], e_x, e_z, free, own[5])
         gradient[t, n - 3], gradient[t, n - 2], gradient[t, n - 1] = -e_x, -e_z, r_x * e_z - r_z * e_x
@@ -134,3 +138,44 @@ def tendon_derivatives(basis, stations, tip, loads, q, work, step, length, gradi
             compliance[i, j] = 1.0 if i == j else 0.0
         solve_spd3(lower, compliance[i])
     return not_positive
+
+
+@kernel
+def node_derivatives(
+    basis, mesh, nodes, par, which, loads, q, system, complex_system, tendons, compliance, by_par, length_by_par
+):
+    """Derivatives of all nodes and of the lengths of tendons by tendon forces and parameters, at an equilibrium `q`.
+
+    basis, mesh, nodes : the discretization, of Lagrange elements; par : (n_parameters,)
+    which : (k,)                       places in the vector
+    loads : (N_LOADS,), q : (3 n_nodes,)
+    system : work arrays stations, tip, q_rest, work, step
+    complex_system : work arrays par, stations, tip, q_rest, q, res, K, see `prepare_complex`; then length, gradient
+        and gain as in `tendon_lengths`, all complex
+    tendons : length, gradient, gain, moved, and compliance (3, 3)   overwritten, as in `tendon_derivatives`
+    by_par : (k, 3 n_nodes)            overwritten: nodes by the parameters, forces held
+    length_by_par : (k, N_TENDONS)     overwritten: lengths by the parameters, forces held
+    """
+    stations, tip, q_rest, work, step = system
+    c_par, c_stations, c_tip, c_q_rest, c_q, c_res, c_K, c_length, c_gradient, c_gain = complex_system
+    length, gradient, gain, moved = tendons
+    n, m = q.shape[0], 3 * basis.shape[2]
+    prepare(par, mesh, nodes, stations, tip, q_rest)
+    c_par[:] = par
+    prepare_complex(c_par, which, mesh, nodes, c_stations, c_tip, c_q_rest)
+    tendon_derivatives(basis, stations, tip, loads, q, work, step, length, gradient, gain, moved, compliance)
+    band, clamped, K = band_of(work, m, n), 3 if tip[T_FURTHER] == 0.0 else 0, work[work.shape[0] - 6 :]
+    reaction(basis, stations, loads, q, step)
+    for k in range(which.shape[0]):
+        residual_change(basis, c_stations[k], c_tip[k], c_q_rest[k], loads, q, step[:3], c_q, c_res, c_K)
+        for i in range(n):
+            by_par[k, i] = -c_res[i].imag / STEP
+        solve_factored(band, m - 3, K, by_par[k], clamped)
+        for i in range(clamped):  # the clamped node goes where the parameter puts it
+            by_par[k, i] = c_q_rest[k, i].imag / STEP
+        tendon_lengths(basis, c_stations[k], c_tip[k], q, c_length, c_gradient, c_gain)
+        for t in range(N_TENDONS):
+            total = c_length[t].imag / STEP
+            for i in range(n):
+                total += gradient[t, i] * by_par[k, i]
+            length_by_par[k, t] = total

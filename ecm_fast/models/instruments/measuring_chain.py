@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...data.columns import CHANNELS
 from ...data.measurements import Measurements
 from ...errors import InputError
 from ...kernels.camera import read, read_derivatives
@@ -18,7 +19,7 @@ from ...mechanism.parameters import PARAMETERS, PLACES, find, index
 from ...mesh.discretization import Discretization
 from ..batch import fast_path, solve_cases
 from ..equilibrium import BatchResult
-from ..refinement import work_arrays
+from ..refinement import resolve, work_arrays
 from ..sensitivity import Sensitivities, sensitivities
 from .history import TARGETS, History, Record, is_on_path, on_path
 
@@ -74,7 +75,10 @@ class MeasuringChain:
     """
 
     def __init__(self, mesh: Discretization, data: Measurements, only: NDArray[np.int64] | None = None) -> None:
-        self.mesh, self.data = mesh, data
+        if data.named:
+            raise InputError(f"{data.source}: column {next(iter(data.named))}: this takes a neck with the pair of "
+                             "[tendons], and its columns alone")  # fmt: skip
+        self.mesh, self.data, self.channels = mesh, data, CHANNELS
         self.record = Record.of(data)
         self._only = slice(None) if only is None else only
         self._all_loads = data.lam, data.wrench
@@ -85,6 +89,14 @@ class MeasuringChain:
     def n(self) -> int:
         """How many rows are read."""
         return len(self._loads[0])
+
+    def refine(self, par: Array, allowed: Array) -> Array:
+        """Take a discretization whose error is allowed in every row; return the estimated errors, (n,).
+
+        allowed : (n,) in rad and shares of the length
+        """
+        self.mesh, error = resolve(self.mesh, self.rows(par), *self._loads, allowed)
+        return error
 
     def rows(self, par: Array) -> Array:
         """Return the parameter vectors of the rows, (1 or n, n_parameters), from the mechanism's (n_parameters,)."""

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...data.columns import CHANNELS
+from ...data.columns import channel_key
 from ...data.measurements import Measurements
-from ...mechanism.parameters import PLACES
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.vector import pack
 from ...mesh.discretization import Discretization
-from ..refinement import resolve
-from .measuring_chain import MeasuringChain
+from .robot_chain import chain_of
 
 __all__ = ["mesh_for"]
 
@@ -19,24 +19,25 @@ SHARE_OF_NOISE = 0.1
 UNDECLARED = 1e-6
 
 
-def mesh_for(par: Array, data: Measurements, start: Discretization | None = None) -> tuple[Discretization, Array]:
+def mesh_for(
+    mechanism: Mechanism, data: Measurements, start: Discretization | None = None
+) -> tuple[Discretization, Array]:
     """Return the discretization whose error is at most a tenth of the declared noise in every row.
 
     Parameters
     ----------
-    par : (n_parameters,) the mechanism, with the effects of the path that it has
-    start : the coarsest that may be returned; default one element of order 5
+    mechanism : with the effects of the path that it has
+    start : the coarsest that may be returned; default one element of order 5, or one for each piece of the body
 
     Returns
     -------
     The discretization, and by how much the estimated error of each row exceeds what is allowed, (n,): at most 1 where
     it does not, nan where there is no equilibrium. Above 1 only where no discretization is fine enough.
     """
-    mesh = Discretization.of(1) if start is None else start
-    length = par[PLACES.beam_length] + par[PLACES.effects_beam_length]
-    noise = np.column_stack([getattr(data, f"sigma_{name}") for name in CHANNELS]) / [length, length, 1.0]
+    chain = chain_of(mechanism, data, start)
+    unit = [mechanism.length if channel_key(name).endswith("_m") else 1.0 for name in chain.channels]
+    noise = data.sigmas(chain.channels) / unit
     declared = np.where(noise > 0.0, noise, np.inf).min(axis=1)
     allowed = np.where(np.isfinite(declared), SHARE_OF_NOISE * declared, UNDECLARED)
-    rows = MeasuringChain(mesh, data).rows(par)
-    mesh, error = resolve(mesh, rows, data.lam, data.wrench, allowed)
-    return mesh, np.asarray(error / allowed)
+    error = chain.refine(pack(mechanism), allowed)
+    return chain.mesh, np.asarray(error / allowed)

@@ -10,17 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...data.columns import CHANNELS, COLUMNS, LOADS
+from ...data.columns import CHANNELS, COLUMNS, LOADS, channel_key
 from ...data.measurements import Measurements
 from ...files import csv_text, write_whole
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.vector import pack
 from ...mesh.discretization import Discretization
+from ..body import divide
 from ..equilibrium import Status
 from ..loads import MIN_TOLERANCE, last_step
 from .checks.checks import faults
-from .measuring_chain import MeasuringChain
 from .mesh_choice import mesh_for
+from .robot_chain import chain_of
 
 __all__ = ["Prediction", "predict"]
 
@@ -33,12 +34,14 @@ class Prediction:
 
     Attributes
     ----------
-    pose : (n, 3) x, z, theta of Q [m, m, rad]; nan where no equilibrium was found
+    pose : (n, c) by `channels`: x, z, theta of Q [m, m, rad], then poses of markers and lengths of tendons that the
+        measurements name; nan where no equilibrium was found
     status : (n,) values of `Status`
     load_factor : (n,) how much of the load the stable branch carries, see `Equilibrium`
     data : the measurements
     mechanism : that was predicted
     unresolved : (n,) where no discretization was fine enough for the noise, see `mesh_choice.mesh_for`
+    channels : names of what is predicted
     """
 
     pose: Array
@@ -47,34 +50,36 @@ class Prediction:
     data: Measurements
     mechanism: Mechanism
     unresolved: NDArray[np.bool_]
+    channels: tuple[str, ...] = CHANNELS
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """Faults of the measured poses or loads with their cures, see `checks.check`, and rows that are unresolved."""
-        found = tuple(map(str, faults(self.mechanism, self.data))) if self.data.measured.any() else ()
+        known = np.isfinite(self.data.readings(self.channels)).any()
+        found = tuple(map(str, faults(self.mechanism, self.data))) if known else ()
         rows = int(self.unresolved.sum())
         return (*found, f"{rows} rows: the discretization error exceeds a tenth of the noise") if rows else found
 
     @property
     def residual(self) -> Array:
-        """Measured less predicted, (n, 3) [m, m, rad]; nan where not measured or not converged."""
-        return self.data.pose - self.pose
+        """Measured less predicted, (n, c) [m, rad]; nan where not measured or not converged."""
+        return self.data.readings(self.channels) - self.pose
 
     @property
     def rms(self) -> dict[str, float | None]:
         """Root mean square of `residual` by channel, ``x_m``, ``z_m``, ``theta_rad``; None where it has no entry."""
-        return dict(zip((COLUMNS[name].names[0] for name in CHANNELS), _rms(self.residual), strict=True))
+        return dict(zip(map(channel_key, self.channels), _rms(self.residual), strict=True))
 
     @property
     def sigmas(self) -> Array:
-        """`residual` over the noise that the measurements declare of the camera, (n, 3); nan where none is."""
-        declared = np.column_stack([getattr(self.data, f"sigma_{name}") for name in CHANNELS])
+        """`residual` over the noise that the measurements declare of the camera, (n, c); nan where none is."""
+        declared = self.data.sigmas(self.channels)
         return np.asarray(np.where(declared > 0.0, self.residual / np.where(declared > 0.0, declared, 1.0), np.nan))
 
     @property
     def rms_sigma(self) -> dict[str, float | None]:
         """Root mean square of `sigmas` by channel, ``x``, ``z``, ``theta``; None where it has no entry."""
-        return dict(zip(CHANNELS, _rms(self.sigmas), strict=True))
+        return dict(zip(self.channels, _rms(self.sigmas), strict=True))
 
     @property
     def rows(self) -> int:
@@ -89,10 +94,15 @@ class Prediction:
     def columns(self) -> dict[str, Sequence[Any]]:
         """Return the table that `to_csv` writes: loads, predicted pose, measured pose, status name of every row."""
         columns: dict[str, Sequence[Any]] = {COLUMNS[name].names[0]: getattr(self.data, name) for name in LOADS}
-        for name, predicted in zip(CHANNELS, self.pose.T, strict=True):
-            columns[COLUMNS[name].names[0]] = predicted
-        for name in CHANNELS:
-            columns[COLUMNS[name].names[0].replace("_", "_measured_")] = getattr(self.data, name)
+        columns |= {f"{name}_N": values.tolist() for name, values in self.data.named.items() if name.startswith("lam_")}
+        names = self.mechanism.tendon_names
+        given = [(name, self.data.lengths([name])[:, 0]) for name in names]
+        columns |= {f"len_{name}_given_m": values.tolist() for name, values in given if np.isfinite(values).any()}
+        for name, predicted in zip(self.channels, self.pose.T, strict=True):
+            columns[channel_key(name)] = predicted
+        for name, measured in zip(self.channels, self.data.readings(self.channels).T, strict=True):
+            quantity, _, unit = channel_key(name).rpartition("_")
+            columns[f"{quantity}_measured_{unit}"] = measured
         columns["status"] = [Status(value).name.lower() for value in self.status]
         return columns
 
@@ -142,8 +152,9 @@ def predict(
     """
     par, excess = pack(mechanism), np.zeros(data.n)
     if elements is None and order is None:
-        mesh, excess = mesh_for(par, data)
+        mesh, excess = mesh_for(mechanism, data)
     else:
-        mesh = Discretization.of(1 if elements is None else elements, order)
-    pose, status, load_factor = MeasuringChain(mesh, data).solve(par, last_step(MIN_TOLERANCE), threads)
-    return Prediction(pose, status, load_factor, data, mechanism, excess > 1.0)
+        mesh = Discretization.of(divide(par, elements), order)
+    chain = chain_of(mechanism, data, mesh)
+    pose, status, load_factor = chain.solve(par, last_step(MIN_TOLERANCE), threads)
+    return Prediction(pose, status, load_factor, data, mechanism, excess > 1.0, chain.channels)

@@ -17,6 +17,7 @@ from .finding import Finding, places
 from .force_cells import force_cell_findings
 from .matched_rows import load_table, smooth
 from .resolution import resolution_findings
+from .robots import robot_findings
 from .units_and_axes import label_findings
 
 __all__ = ["Checks", "check", "faults"]
@@ -80,6 +81,8 @@ def check(mechanism: Mechanism, data: Measurements, unknown: Collection[str] = (
 
 def faults(mechanism: Mechanism, data: Measurements, unknown: Collection[str] = ()) -> list[Finding]:
     """Return what `check` finds, what it would refuse included."""
+    if data.named or not mechanism.has_pair:
+        return [*robot_findings(mechanism, data), *_repeated(data)]
     if not data.measured.any():
         needed = ", ".join(COLUMNS[name].names[0] for name in CHANNELS)
         return [Finding("no pose", (), "no row holds a measured pose", f"give {needed}", True)]
