@@ -149,6 +149,7 @@ def signals(count: int) -> None:
             found[f"ended {process.returncode}"] += 1
             if "Traceback" in err:
                 found[f"traceback after {number.name}"] += 1
+                print(err, flush=True)
             for path in folder.iterdir():
                 try:
                     _whole(path)

@@ -6,10 +6,9 @@ import io
 import math
 import os
 import stat
-import tempfile
 import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -101,20 +100,24 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes | memoryview 
         if target.exists() and not target.is_file():
             reason = os.strerror(errno.EISDIR) if target.is_dir() else "not a regular file"
             raise OSError(errno.EISDIR, reason)
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-        with os.fdopen(handle, "wb") as file:
+        temporary = target.with_name(f".{target.name}.{os.urandom(4).hex()}")  # known before it is there
+        with open(temporary, "xb", opener=_open_for_us) as file:
             file.writelines(parts)
             file.flush()
-            os.fsync(handle)
+            os.fsync(file.fileno())
         os.chmod(temporary, _mode(target))
         os.replace(temporary, target)
-        temporary = None
     except (OSError, ValueError) as error:
         raise InputError(f"{place}: cannot be written here ({why(error)})") from None
     finally:
         if temporary is not None:
-            os.unlink(temporary)
+            with suppress(OSError):  # it has its place by now, or was never made
+                temporary.unlink()
     return place
+
+
+def _open_for_us(path: str, flags: int) -> int:
+    return os.open(path, flags, 0o600)
 
 
 def _mode(target: Path) -> int:

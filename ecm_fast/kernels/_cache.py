@@ -16,7 +16,6 @@ import os
 import pickle
 import stat
 import sys
-import tempfile
 import zlib
 from collections.abc import Callable
 from functools import cache
@@ -164,11 +163,11 @@ def _checksum(content: bytes) -> bytes:
 
 def _write(path: Path, content: bytes) -> None:
     """Write a file that is there whole or not at all, whatever other processes do."""
-    handle, draft = tempfile.mkstemp(dir=path.parent)
+    draft = path.with_name(f"draft-{os.urandom(8).hex()}")
     try:
-        with os.fdopen(handle, "wb") as file:
+        with open(draft, "xb", opener=lambda name, flags: os.open(name, flags, 0o600)) as file:
             file.write(content)
         os.replace(draft, path)
-    except OSError:
-        Path(draft).unlink(missing_ok=True)
+    except BaseException:
+        draft.unlink(missing_ok=True)
         raise
