@@ -187,5 +187,5 @@ def test_a_neck_refuses_columns_of_robots():
     """Contract: a name that no tendon of a neck has is an error with a hint, wherever measurements are used."""
     neck, data = ecm.Mechanism(), ecm.Measurements.from_columns({"lam_left_N": [10.0], "x_mm": [109.0]})
     for use in (lambda: ecm.predict(neck, data), lambda: ecm.identify(neck, data, ["EI"])):
-        with pytest.raises(ecm.InputError, match="column lam_left_N: the mechanism has no tendon 'left' .*'lam_l_N'"):
+        with pytest.raises(ecm.InputError, match=r"column lam_left_N: the mechanism has no tendon 'left' .*'lam_l_N'"):
             use()
