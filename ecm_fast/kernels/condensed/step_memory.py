@@ -165,5 +165,5 @@ def general_step(
         compliance[:], jacobian[:] = np.nan, np.nan
         return np.nan, np.nan, np.nan, status
     n = q.shape[0]
-    tip_derivatives(tables, stations, tip, loads, q, work[2 * n + 3 * N_LOADS :], work[:n], compliance, jacobian)
+    tip_derivatives(tables, stations, tip, loads, q, work[2 * n + 4 * N_LOADS :], work[:n], compliance, jacobian)
     return out[O_X], out[O_Z], out[O_THETA], status
