@@ -8,7 +8,7 @@ from ecm_fast.mechanism.body import Marker, Segment, Tendon
 from ecm_fast.mechanism.mechanism import Mechanism
 from ecm_fast.mechanism.sections import Beam, Gravity, Head
 
-__all__ = ["pose_of", "robot", "sizes", "tendon_numbers"]
+__all__ = ["arc", "closed_arc", "pose_of", "robot", "sizes", "tendon_numbers"]
 
 
 def tendon_numbers(row) -> list[int]:
@@ -65,3 +65,22 @@ def pose_of(row, point: str) -> np.ndarray:
     """Return the pose of the tip, or of a marker."""
     names = ("x_L", "z_L", "theta_L") if point == "tip" else (f"{point}_x", f"{point}_z_pos", f"{point}_theta")
     return np.array([row[name] for name in names])
+
+
+def arc(**changes) -> Mechanism:
+    """Return a rod that weighs nothing, with one parallel tendon 10 mm beside its axis."""
+    segment = Segment(length=0.24, EA_start=2000.0, GA_start=700.0, EI_start=0.02)
+    tendon = Tendon(name="t", route="guided", points=1.0, offset_1=0.01, **changes)
+    return Mechanism(
+        beam=Beam(axial_law="hooke"), head=Head(0.0, 0.0, 0.0), gravity=Gravity(0.0), segments=(segment,),
+        named_tendons=(tendon,),
+    )  # fmt: skip
+
+
+def closed_arc(force: float) -> tuple[np.ndarray, float]:
+    """Return pose and tendon length of `arc`: kappa = -lam o/EI, N(g) = -lam, whatever the shear stiffness."""
+    kappa, stretch = -force * 0.01 / 0.02, 1.0 - force / 2000.0
+    turn = 0.24 * kappa
+    return np.array([stretch * math.sin(turn) / kappa, stretch * (math.cos(turn) - 1.0) / kappa, turn]), 0.24 * (
+        stretch + 0.01 * kappa
+    )

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
-from ..kernels.general.lengths import LENGTHS_DEPEND, lengths_work_size
+from ..kernels.general.lengths import LENGTHS_DEPEND, MOST_STRIDES, lengths_work_size
 from ..kernels.general.lengths import solve_lengths as follow
 from ..kernels.general.newton import solve, solve_work_size
 from ..kernels.general.tendons import tendon_derivatives
@@ -85,7 +85,7 @@ def by_length(mesh: Discretization, par: Array, loads: Array, wanted: Array) -> 
     status = solve(mesh.tables, stations, tip, q_rest, loads, q, work, out)
     if status == CONVERGED:
         room = np.zeros(lengths_work_size(mesh.nodes.size))
-        status, factor = follow(mesh.tables, stations, tip, given, target, soft, loads, q, work, room)
+        status, factor = follow(mesh.tables, stations, tip, given, target, soft, loads, q, work, room, MOST_STRIDES)
     if status == LENGTHS_DEPEND:
         raise InputError("the given lengths depend on each other: more inextensible tendons than the pose has freedom; "
                          "give one of them a compliance [m/N], or its force instead")  # fmt: skip

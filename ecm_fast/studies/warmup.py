@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -116,7 +117,7 @@ def _all_of(eq: Equilibrium) -> object:
 
 
 def _along_a_path(neck: Mechanism) -> object:
-    step = FiniteElementModel(neck.replace(creep=0.01)).stepper()
+    step: Any = FiniteElementModel(neck.replace(creep=0.01)).stepper()
     step(40.0, 10.0)
     return step.state.hold(neck)
 

@@ -6,12 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from robot_rows import pose_of, robot, sizes, tendon_numbers
+from robot_rows import arc, closed_arc, pose_of, robot, sizes, tendon_numbers
 
 import ecm_fast as ecm
-from ecm_fast.mechanism.body import Segment, Tendon
+from ecm_fast.mechanism.body import Tendon
 from ecm_fast.mechanism.mechanism import Mechanism
-from ecm_fast.mechanism.sections import Beam, Gravity, Head
 
 # the tables are good to 1e-11; a tentacle of a third of the radius at its tip needs the most elements
 FINE = {"elements": 32, "order": 6}
@@ -54,25 +53,6 @@ def test_tendons_given_by_length(table):
         off = (np.abs(usual.pose - pose_of(row, "tip")) / sizes(row)).max()
         assert off <= 1e-6
         assert off <= usual.error + 1e-10
-
-
-def arc(**changes) -> Mechanism:
-    """Return a rod that weighs nothing, with one parallel tendon 10 mm beside its axis."""
-    segment = Segment(length=0.24, EA_start=2000.0, GA_start=700.0, EI_start=0.02)
-    tendon = Tendon(name="t", route="guided", points=1.0, offset_1=0.01, **changes)
-    return Mechanism(
-        beam=Beam(axial_law="hooke"), head=Head(0.0, 0.0, 0.0), gravity=Gravity(0.0), segments=(segment,),
-        named_tendons=(tendon,),
-    )  # fmt: skip
-
-
-def closed_arc(force: float) -> tuple[np.ndarray, float]:
-    """Return pose and tendon length of `arc`: kappa = -lam o/EI, N(g) = -lam, whatever the shear stiffness."""
-    kappa, stretch = -force * 0.01 / 0.02, 1.0 - force / 2000.0
-    turn = 0.24 * kappa
-    return np.array([stretch * math.sin(turn) / kappa, stretch * (math.cos(turn) - 1.0) / kappa, turn]), 0.24 * (
-        stretch + 0.01 * kappa
-    )
 
 
 @pytest.mark.parametrize("force", [0.5, 10.0, 26.18])

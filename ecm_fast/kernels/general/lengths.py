@@ -27,7 +27,7 @@ from .elements.lagrange import apply_step
 from .newton import ROUNDING_FLOOR, step_size
 from .tendons import tendon_derivatives, tendon_lengths
 
-__all__ = ["LENGTHS_DEPEND", "lengths_work_size", "solve_lengths"]
+__all__ = ["LENGTHS_DEPEND", "MOST_STRIDES", "converge", "lengths_work_size", "place_of", "solve_lengths"]
 
 LENGTHS_DEPEND = 100
 """Beside the statuses of `layout`: the given lengths depend on each other, some tendon needs a compliance."""
@@ -127,7 +127,7 @@ def _force_step(S, excess, forces, given, taut, L, step):
 
 
 @kernel
-def _converge(basis, stations, tip, given, wanted, soft, loads, q, work, room):
+def converge(basis, stations, tip, given, wanted, soft, loads, q, work, room):
     """Newton's iteration for nodes and forces at once; arguments as for `solve_lengths`, with `loads` overwritten.
 
     Returns the status, and whether the start was too far.
@@ -179,7 +179,7 @@ def _converge(basis, stations, tip, given, wanted, soft, loads, q, work, room):
 
 
 @kernel
-def solve_lengths(basis, stations, tip, given, wanted, soft, loads, q, work, room):
+def solve_lengths(basis, stations, tip, given, wanted, soft, loads, q, work, room, most):
     """Follow an equilibrium until tendons have their given lengths.
 
     basis : of Lagrange elements; stations, tip : as in `front.newton_step`, gain 1 and zero 0 for these tendons
@@ -188,6 +188,7 @@ def solve_lengths(basis, stations, tip, given, wanted, soft, loads, q, work, roo
     loads : (N_LOADS,)    those of the equilibrium `q`; overwritten with those found
     q : (3 n_nodes,)      a stable equilibrium; overwritten
     work : see `newton.solve_work_size`; room : see `lengths_work_size`
+    most : largest number of strides
 
     Returns a status of `layout`, or `LENGTHS_DEPEND`, and which share of the way was gone. The lengths go from those of
     `q` to the wanted ones in strides that the solver chooses.
@@ -203,13 +204,13 @@ def solve_lengths(basis, stations, tip, given, wanted, soft, loads, q, work, roo
     copy(q, last_q)
     copy(loads, last_loads)
     reached, stride, status = 0.0, 1.0, NOT_CONVERGED
-    for _ in range(MOST_STRIDES):
+    for _ in range(most):
         share = min(1.0, reached + stride)
         for i in range(N_TENDONS):
             target[i] = wanted[i] if share == 1.0 else begin[i] + share * (wanted[i] - begin[i])
         copy(last_q, q)
         copy(last_loads, loads)
-        status = _converge(basis, stations, tip, given, target, soft, loads, q, work, room)
+        status = converge(basis, stations, tip, given, target, soft, loads, q, work, room)
         if status == CONVERGED:
             reached, stride = share, 1.5 * stride
             copy(q, last_q)
