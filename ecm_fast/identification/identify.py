@@ -67,7 +67,8 @@ def identify(
     mechanism : what is built, its values the start; or several experiments: a mechanism, its measurements and, where
         they differ from `channels`, the channels that count. The first one's values are the start of all.
     data : one set of measurements or several; the names where `mechanism` holds the experiments
-    names : of the parameters, as in `parameters`; any but the axial law. All experiments share them
+    names : of the parameters, as in `parameters`; any but the axial law. All experiments share them. Of a tendon or
+        marker also by its own name, ``front.zero``
     channels : which of x, z, theta, ``M1_x``, ``len_front`` ... count; default all that are measured
     priors : value and standard deviation from other tests, by name: ``{"EA": (7500.0, 75.0)}``
     loss : linear, huber or soft_l1, see `Loss`; the last two hold outliers down
@@ -394,6 +395,7 @@ def _experiments(
     wanted = [names] if isinstance(names, str) else list(names or ())
     if not wanted or not experiments:
         raise InputError("nothing to fit: name at least one parameter, and give at least one set of measurements")
+    wanted = [experiments[0][0].key_of(name) for name in wanted]
     for name in wanted:
         if find(name).key == "beam.axial_law":
             raise InputError("axial_law is a choice, not a number: fit once with each and compare the rms")

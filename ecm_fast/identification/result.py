@@ -149,6 +149,7 @@ class Identification:
 
     def __getitem__(self, name: str) -> Estimate:
         """Return the estimate of one parameter, named as it was asked for."""
+        name = name if name in self.parameters else self.mechanism.key_of(name)
         if name not in self.parameters:
             raise InputError(f"{name!r} was not fitted{did_you_mean(str(name), self.parameters)}; these were: "
                              f"{', '.join(self.parameters)}")  # fmt: skip

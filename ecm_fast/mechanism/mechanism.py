@@ -11,7 +11,7 @@ from .catalogue import CATALOGUE
 from .derived import check_derived
 from .parameters import find
 from .sections import EFFECT_QUANTITIES, PRESETS, SECTIONS, Beam, Gravity, Head, Tendons
-from .toml_file import read_values, write_values
+from .toml_file import ROBOTS, read_values, robot_file, write_values
 
 __all__ = ["PARTS", "Effects", "Mechanism"]
 
@@ -130,6 +130,12 @@ class Mechanism:
             allowed = " or ".join(repr(preset) for preset in PRESETS)
             raise InputError(f"preset = {shown(name)}: allowed is {allowed}{did_you_mean(str(name), PRESETS)}")
         return cls().replace(**{key: entry.default for key, entry in PRESETS[name].items()})
+
+    @classmethod
+    def robot(cls, name: str) -> Self:
+        """Return a robot to start from: ``tentacle``, ``segments`` or ``finger``; ``init --robot`` writes its file."""
+        robot_file(name)  # complains about the name
+        return cls.from_toml(ROBOTS[name])
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Self:

@@ -4,6 +4,7 @@ import os
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -15,7 +16,10 @@ from .parameters import PARAMETERS
 from .quantity import Quantity
 from .sections import PRESETS, SECTIONS
 
-__all__ = ["read_values", "template", "write_values"]
+__all__ = ["ROBOTS", "read_values", "robot_file", "template", "write_values"]
+
+ROBOTS = {path.stem: path for path in sorted((Path(__file__).parent / "robots").glob("*.toml"))}
+"""Files of robots to start from, by name."""
 
 
 Parts = Mapping[str, Sequence[Any]]
@@ -110,6 +114,14 @@ def write_values(
     text = _text(values, {entry.key: entry for entry in PARAMETERS}, with_source=False) + _part_text(parts)
     title, rest = text.split("\n", 1)
     write_whole(path, "\n".join([title, *(f"# {_printable(remark)}" for remark in remarks), rest]))
+
+
+def robot_file(name: str) -> str:
+    """Return the commented mechanism file of a robot with tendons along its body, one of `ROBOTS`."""
+    if name not in ROBOTS:
+        raise InputError(f"robot = {shown(name)}: allowed is {' or '.join(map(repr, ROBOTS))}"
+                         f"{did_you_mean(str(name), ROBOTS)}")  # fmt: skip
+    return ROBOTS[name].read_text(encoding="utf-8")
 
 
 def template(preset: str = "slender") -> str:

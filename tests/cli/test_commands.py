@@ -282,6 +282,22 @@ def test_init_writes_a_file_that_every_command_takes(run: Run, preset: str) -> N
     assert (with_file == default) == (preset == "slender")
 
 
+@pytest.mark.parametrize("robot", ["finger", "segments", "tentacle"])
+def test_init_writes_robots(run: Run, refused: Refused, robot: str) -> None:
+    """Round trip: each shipped robot, complete, solves under its first tendon and is written again as it was read."""
+    assert run("init", "--robot", robot, "robot.toml", "--json").json == {"mechanism": "robot.toml", "robot": robot}
+    built = Mechanism.from_toml("robot.toml")
+    assert built == Mechanism.robot(robot)
+    assert built.assumed == ()
+    built.to_toml("again.toml")
+    assert Mechanism.from_toml("again.toml") == built
+    pulled, free = (run("solve", "--mechanism", "robot.toml", "--tendon", f"{built.tendon_names[0]}={force}", "--json")
+                    for force in (0.5, 0.0))  # fmt: skip
+    assert pulled.json["stable"]
+    assert pulled.json["theta"] < free.json["theta"]  # a tendon at z > 0 turns the end there
+    assert refused("init", "--robot", "tentacel", "other.toml").startswith("robot = 'tentacel': allowed is 'finger' or")
+
+
 def test_init_does_not_overwrite(run: Run, refused: Refused) -> None:
     """Contract: an existing file is kept unless forced."""
     assert run("init") == (0, "", "ecm-fast: wrote mechanism.toml\n")
