@@ -7,8 +7,8 @@ True
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING
 
+TYPE_CHECKING = False  # as in `typing`, which a command would load before it can see to an interrupt
 if TYPE_CHECKING:  # for type checkers and editors; at run time `__getattr__` imports
     from .data import datasets
     from .data.measurements import Measurements, read_measurements

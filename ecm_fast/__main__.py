@@ -3,7 +3,6 @@
 import os
 import signal
 import sys
-import threading
 from collections.abc import Sequence
 
 __all__ = ["main"]
@@ -15,14 +14,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     An interrupt while the modules of the commands are loaded, or while the process that came for this command ends,
     ends it at once: there is nothing to tidy up then, and an exception may be lost there.
     """
-    main_thread = threading.current_thread() is threading.main_thread()
-    before = signal.signal(signal.SIGINT, _end) if main_thread else None
+    try:
+        before = signal.signal(signal.SIGINT, _end)
+    except ValueError:  # in a thread beside the main one, where no signal comes
+        before = None
     try:
         from .cli import main as run
 
         return run(argv)
     finally:
-        if main_thread:
+        if before is not None:
             signal.signal(signal.SIGINT, _end if argv is None else before)
 
 

@@ -215,13 +215,24 @@ def test_an_interrupt_is_never_lost(tmp_path: Path, module: str, where: str) -> 
     assert (done.stdout == "") == (module != "the end")
 
 
+def test_next_to_nothing_is_loaded_before_a_command_can_see_to_an_interrupt() -> None:
+    """Python's own list of loaded modules, without those that the installation itself loads."""
+    code = "import ecm_fast.__main__, sys; print(*{'re', 'threading', 'typing'} & set(sys.modules))"
+    env = {**os.environ, "PYTHONPATH": str(Path(ecm.__path__[0]).parent)}
+    done = subprocess.run([sys.executable, "-S", "-c", code], capture_output=True, text=True, check=True, env=env)
+    assert done.stdout == "\n"
+
+
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 @pytest.mark.parametrize("delay", [0.05, 0.1, 0.2, 0.4, 0.7])
 def test_an_interrupt_while_importing_is_one_line(tmp_path: Path, delay: float) -> None:
-    """POSIX: an interrupted command ends with 130; how far the imports have come by then differs from run to run."""
+    """POSIX: an interrupted command ends with 130, and as an ended one where its answer was out already.
+
+    How far it has come by then differs from run to run.
+    """
     code = (
         "import sys, time; from ecm_fast.__main__ import main; print(flush=True); "
-        "sys.exit(main(['solve', '--tendons', '1', '2']))"
+        "sys.argv = ['ecm-fast', 'solve', '--tendons', '1', '2', '--json']; sys.exit(main())"
     )
     with subprocess.Popen([sys.executable, "-c", code], stdout=-1, stderr=-1, text=True, cwd=tmp_path) as process:
         assert process.stdout is not None
@@ -229,5 +240,9 @@ def test_an_interrupt_while_importing_is_one_line(tmp_path: Path, delay: float) 
         time.sleep(delay)
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=60)
-    assert (process.returncode, out, err) in ((130, "", "ecm-fast: interrupted\n"), (0, out, "")), err
-    assert process.returncode == 130 or "Jacobian" not in err
+    if out:
+        assert json.loads(out)["converged"] is True
+        assert process.returncode in (0, 130, -signal.SIGINT)
+        assert err in ("", "ecm-fast: interrupted\n")
+    else:
+        assert (process.returncode, err) == (130, "ecm-fast: interrupted\n")
