@@ -22,7 +22,7 @@ def repeated_rows(parts: Sequence[Measurements]) -> list[NDArray[np.bool_]]:
         np.column_stack([*(getattr(part, name) for name in _COMPARED), *(part.named.get(name, none) for name in named)])
         for part, none in zip(parts, blank, strict=True)
     ])  # fmt: skip
-    table = np.where(np.isnan(table), np.inf, table) + 0.0  # blanks are alike, and so are 0 and -0
+    table = np.where(np.isnan(table), np.inf, table)  # blanks are alike
     repeated = np.ones(len(table), dtype=bool)
     repeated[np.unique(table, axis=0, return_index=True)[1]] = False
     repeated &= np.concatenate([np.isfinite(part.readings(part.channels)).any(axis=1) for part in parts])

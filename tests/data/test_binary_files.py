@@ -11,6 +11,7 @@ import pytest
 import scipy.sparse
 from scipy.io import savemat
 
+from ecm_fast.data import unpack
 from ecm_fast.data.measurements import Measurements, read_measurements
 from ecm_fast.data.unpack import answer
 from ecm_fast.errors import InputError
@@ -221,6 +222,23 @@ def test_small_files_that_unpack_to_all_the_memory_are_refused(tmp_path: Path) -
     for name in names:
         assert (tmp_path / name).stat().st_size < 4e6
         assert _refused(tmp_path / name).startswith("unpacks to ")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
+def test_a_limit_that_a_system_refuses_leaves_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    """macOS refuses a bound on addresses below what is mapped."""
+    import resource
+
+    bounded = []
+
+    def setrlimit(kind: int, _: tuple[int, int]) -> None:
+        if kind == resource.RLIMIT_AS:
+            raise ValueError("current limit exceeds maximum limit")
+        bounded.append(kind)
+
+    monkeypatch.setattr(resource, "setrlimit", setrlimit)
+    unpack._limit()
+    assert bounded == [resource.RLIMIT_CPU, resource.RLIMIT_CORE]
 
 
 def test_a_reader_that_ends_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

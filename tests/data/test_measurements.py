@@ -1,6 +1,6 @@
 """Measurement files: every number and every text below was worked out by hand."""
 
-from dataclasses import fields
+from dataclasses import FrozenInstanceError, fields
 from pathlib import Path
 from typing import Any
 
@@ -68,6 +68,7 @@ def test_a_file_in_millimeters_and_degrees(read: Any, tmp_path: Path) -> None:
         ("lam_l_kN", "0.16", 160.0),
         ("lam_l_mN", "2500", 2.5),
         ("fx_N", "-3", -3.0),
+        ("fx_N", "-1e6", -1e6),  # the largest size that is allowed
         ("fz_kN", "1e-3", 1.0),
         ("tau_Nm", "+1.5", 1.5),
         ("tau_Nmm", "-250", -0.25),
@@ -153,8 +154,10 @@ def test_a_selection_keeps_its_places(read: Any) -> None:
 
 
 def test_the_arrays_cannot_be_changed_by_accident(read: Any) -> None:
-    """Contract: read-only arrays."""
+    """Contract: read-only arrays, in fields that stay."""
     run = read(GOOD)
+    with pytest.raises(FrozenInstanceError):
+        run.x = run.z
     with pytest.raises(ValueError, match="read-only"):
         run.x[0] = 1.0
     run.lam[0] = 1.0  # made anew each time, so the caller may do what they like
@@ -291,6 +294,11 @@ def test_measurements_from_vectors_in_memory() -> None:
     assert (run.source, run.where(1)) == ("measurements", "measurements: row 2")
 
 
+class TwoLines:
+    def __repr__(self) -> str:
+        return "two\nlines"
+
+
 @pytest.mark.parametrize(
     ("columns", "text"),
     [
@@ -302,6 +310,7 @@ def test_measurements_from_vectors_in_memory() -> None:
         ({"raw": np.ones((2, 3))}, "unknown column 'raw' (known are lam_l_N, "),
         ({"x_m": [True]}, "row 1, column x_m: True (allowed is a finite number, or a blank)"),
         ({"x_m": [10**400]}, "row 1, column x_m: 100000000000000000000000000000000000 ... (allowed is a finite number"),
+        ({"x_m": [TwoLines()]}, "row 1, column x_m: two lines (allowed is a finite number"),
         ({"x_m": [1], "session": [float("inf")]}, "row 1, column session: inf (allowed is printable text"),
         ({"x_m": []}, "names columns but holds no rows"),
         ({}, "gives no load and no pose; at least one of"),

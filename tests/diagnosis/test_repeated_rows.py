@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecm_fast import InputError, Mechanism, Study, diagnose, hide, identify
+from ecm_fast import InputError, Measurements, Mechanism, Study, diagnose, hide, identify
 from ecm_fast.data.repeated_rows import repeated_rows, without_poses
 
 NECK = Mechanism()
@@ -29,6 +29,8 @@ def test_copies_are_told_from_repeated_loads(clean) -> None:
     one, other = repeated_rows([clean, clean.select(np.arange(5))])
     assert not one.any()
     assert other.all()
+    signed = [Measurements.from_columns({"lam_l_N": [5.0], "fx_N": [zero], "x_m": [0.1]}) for zero in (0.0, -0.0)]
+    assert repeated_rows(signed)[1].all()  # 0 is the same number with any sign
     blank = without_poses(clean, np.ones(clean.n, dtype=bool))
     assert not repeated_rows([blank, blank])[1].any()  # a row without a pose is no evidence
 
