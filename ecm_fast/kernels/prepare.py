@@ -12,7 +12,7 @@ from ..mechanism.parameters import FIRST_SEGMENT, N_BUILT_IN, N_TAIL
 from ..mechanism.parameters import PLACES as P
 from . import layout as at
 from ._jit import kernel
-from .body import GUIDED, body_length, body_section, count_pieces, guide, has_pair, next_break, tendon_row
+from .body import GUIDED, SAME, body_length, body_section, count_pieces, guide, has_pair, next_break, tendon_row
 from .trig import sincos
 from .user_laws import find_law
 
@@ -232,11 +232,11 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
     nodes : (n_nodes,)       places of the nodes as such shares [-]
     stations : (n_stations, N_STATION), tip : (N_TIP,), q_rest : (3 n_nodes,)   overwritten
 
-    What cannot be built gets a length of nan: no path finds an equilibrium, and `newton.solve` calls it invalid.
+    X
     """
     sin_tilt, cos_tilt = sincos(par[P.gravity_tilt] + par[P.effects_gravity_tilt])
     gravity_x, gravity_z = -par[P.gravity_g] * cos_tilt, -par[P.gravity_g] * sin_tilt
-    length, pieces = body_length(par), 1
+    length, pieces, conforms = body_length(par), 1, True
     pair, segmented = has_pair(par), par[FIRST_SEGMENT].real > 0.0
     EA, GA, EI, mass_per_length = par[P.beam_EA], par[P.beam_GA], par[P.beam_EI], par[P.beam_mass_per_length]
     pieces = count_pieces(par, length)
@@ -255,7 +255,9 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
         profile = _profile(par, place, scale * (on_mesh - begin) - 1.0, by_place * (lower - begin_place) - 1.0,
                            by_place * (upper - begin_place) - 1.0, points, length)  # fmt: skip
         if (i + 1) % points == 0:
-            begin += 1.0 / mesh[i, 2]
+            end = begin + 1.0 / mesh[i, 2]
+            conforms = conforms and np.floor(begin * pieces + SAME) + 1.0 >= np.ceil(end * pieces - SAME)
+            begin = end
         station[at.S_WEIGHT], station[at.S_INV_H] = mesh[i, 1] * stretched, mesh[i, 2] / stretched
         if segmented:
             EA, GA, EI, mass_per_length = body_section(par, s)
@@ -289,7 +291,8 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
     stiff = stiffest * length.real * length.real / softest
     tip[at.T_TOLERANCE] = min(TOLERANCE, FORCE_TOLERANCE / stiff)
 
-    if not (length.real > 0.0 and min(lightest, head_mass.real) > -NONE and _sound(par, stations, tip)):
+    possible = conforms and length.real > 0.0 and min(lightest, head_mass.real) > -NONE
+    if not (possible and _sound(par, stations, tip)):
         tip[at.T_LENGTH] = np.nan
 
     sin_clamp, cos_clamp = sincos(par[P.effects_clamp_tilt])

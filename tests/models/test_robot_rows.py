@@ -189,3 +189,13 @@ def test_a_neck_refuses_columns_of_robots():
     for use in (lambda: ecm.predict(neck, data), lambda: ecm.identify(neck, data, ["EI"])):
         with pytest.raises(ecm.InputError, match=r"column lam_left_N: the mechanism has no tendon 'left' .*'lam_l_N'"):
             use()
+
+
+def test_a_body_of_more_pieces_than_the_mesh_is_refused(tentacle):
+    """Contract: no element crosses a break. A segment that outgrows the tendon which ended with it has one more."""
+    model = ecm.FiniteElementModel(tentacle)
+    par = pack(tentacle.replace(**{"segment1.length": 0.31}))
+    with_markers = RobotChain(tentacle, ecm.Measurements.from_columns({**FORCES, **READ}))
+    assert with_markers.solve(par, 1e-20)[1].tolist() == 3 * [ecm.Status.INVALID_INPUT]
+    result = model.solve_batch([(1.0, 0.0)], parameters=[par], path="ignore")
+    assert not result.converged.any()
