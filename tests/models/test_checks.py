@@ -10,6 +10,7 @@ from ecm_fast.diagnosis.checks.coverage import coverage
 from ecm_fast.errors import InputError
 from ecm_fast.mechanism.mechanism import Mechanism
 from ecm_fast.models.instruments.checks.checks import check, faults
+from ecm_fast.models.instruments.checks.matched_rows import smooth
 from ecm_fast.testbed import Sensors, compression_test, in_sequence, measure, shear_test, tendon_test
 
 pytestmark = pytest.mark.slow
@@ -278,6 +279,16 @@ def test_a_channel_that_stands_still_is_refused(plain) -> None:
         check(NECK, still)
     specimen, pushes = compression_test()
     assert not faults(specimen, measure(specimen, pushes, Sensors.perfect(), 1))
+
+
+def test_loads_that_are_compared_are_bridged_by_a_polynomial() -> None:
+    """By hand: a parabola through four rows a coefficient is itself anywhere; of fewer rows nothing is said."""
+    loads = np.zeros((12, 7))
+    loads[:, 0] = np.linspace(10.0, 120.0, 12)
+    at = np.full((1, 7), 33.0)
+    parabola = 2.0 - 3.0 * loads[:, :1] + 0.5 * loads[:, :1] ** 2
+    assert smooth(loads, parabola, at) == pytest.approx(2.0 - 3.0 * 33.0 + 0.5 * 33.0**2)
+    assert smooth(loads[:7], parabola[:7], at) is None
 
 
 def test_coarse_readings_are_said() -> None:

@@ -6,7 +6,9 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipkinc, ellipkm1
 
 from ecm_fast import FiniteElementModel, Mechanism
+from ecm_fast.mechanism.vector import pack
 from ecm_fast.models.loads import loads_of
+from ecm_fast.models.refinement import jumps
 
 STIFF = 1e3
 BEAM = Mechanism().replace(length=1.0, EI=1.0, EA=STIFF, GA=STIFF, axial_law="hooke", g=0.0)
@@ -69,6 +71,7 @@ def test_a_soft_spot_keeps_the_accuracy():
     eq = FiniteElementModel(neck).solve((40.0, 10.0))
     spot = 0.015 / neck.beam.length
     pieces = [1.0 / 3.0 - 0.5 * spot, spot, 2.0 / 3.0 - 0.5 * spot]
+    assert jumps(pack(neck)[None]) == pytest.approx(np.cumsum(pieces)[:2])
     shares = np.repeat(np.array(pieces) / 8.0, 8)
     fine = FiniteElementModel(neck, shares, 6).solve((40.0, 10.0))
     assert np.abs((eq.pose - fine.pose) / [neck.beam.length, neck.beam.length, 1.0]).max() < 1e-6
