@@ -18,23 +18,22 @@ from . import (
     diagnose,
     effects,
     elements,
-    hide,
     identify,
     init,
     next_loads,
     polynomial,
     predict,
     reproduce,
-    score,
+    sealed,
     solve,
     sweep,
     view,
     warmup,
 )
-from ._arguments import parse
-from ._command import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED
-from ._interrupt import interrupts_kept
-from ._terminal import note, write
+from .frame.arguments import parse
+from .frame.command import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED
+from .frame.interrupt import interrupts_kept
+from .frame.terminal import note, write
 
 __all__ = ["COMMANDS", "main"]
 
@@ -50,8 +49,8 @@ COMMANDS = {
     "next": next_loads.COMMAND,
     "sweep": sweep.COMMAND,
     "effects": effects.COMMAND,
-    "hide": hide.COMMAND,
-    "score": score.COMMAND,
+    "hide": sealed.HIDE,
+    "score": sealed.SCORE,
     "init": init.COMMAND,
     "view": view.COMMAND,
     "reproduce": reproduce.COMMAND,

@@ -2,9 +2,9 @@
 
 import argparse
 
-from ._arguments import count, mechanism
-from ._command import IN_OUT, Answer, Command, folder
-from ._terminal import note
+from .frame.arguments import count, mechanism
+from .frame.command import IN_OUT, Answer, Command, folder
+from .frame.terminal import note
 
 __all__ = ["COMMAND"]
 

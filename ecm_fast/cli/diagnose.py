@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ._arguments import (
+from .frame.arguments import (
     EXAMPLES,
     add_noise,
     finite_number,
@@ -16,8 +16,8 @@ from ._arguments import (
     numbers_by_name,
     priors_by_name,
 )
-from ._command import DONE, Answer, Command, folder, outputs, saved
-from ._terminal import Waiting
+from .frame.command import DONE, Answer, Command, folder, outputs, saved
+from .frame.terminal import Waiting
 
 if TYPE_CHECKING:
     from ..diagnosis import Diagnosis, Plan

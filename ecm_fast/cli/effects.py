@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..mechanism.catalogue import CATALOGUE, Effect
-from ._arguments import mechanism
-from ._command import Answer, Command, folder, saved
+from .frame.arguments import mechanism
+from .frame.command import Answer, Command, folder, saved
 
 __all__ = ["COMMAND"]
 

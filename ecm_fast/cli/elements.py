@@ -3,9 +3,9 @@
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from ._arguments import finite_number, mechanism
-from ._command import IN_OUT, Answer, Command, folder
-from ._terminal import note
+from .frame.arguments import finite_number, mechanism
+from .frame.command import IN_OUT, Answer, Command, folder
+from .frame.terminal import note
 
 if TYPE_CHECKING:
     from ..studies.elements.study import ElementStudy

@@ -3,8 +3,16 @@
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from ._arguments import add_model, add_noise, discretization, finite_number, measurements, mechanism, priors_by_name
-from ._command import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder, outputs
+from .frame.arguments import (
+    add_model,
+    add_noise,
+    discretization,
+    finite_number,
+    measurements,
+    mechanism,
+    priors_by_name,
+)
+from .frame.command import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder, outputs
 
 if TYPE_CHECKING:
     from ..identification.result import Identification

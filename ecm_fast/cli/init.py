@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 
 from ..errors import InputError
-from ._command import Answer, Command, folder
+from .frame.command import Answer, Command, folder
 
 __all__ = ["COMMAND"]
 

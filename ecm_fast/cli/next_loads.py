@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, why
 from ..files import check_form, read_whole
-from ._arguments import EXAMPLES, count, finite_number, numbers_by_name
-from ._command import Answer, Command, saved
+from .frame.arguments import EXAMPLES, count, finite_number, mechanism_of, numbers_by_name
+from .frame.command import Answer, Command, saved
 
 if TYPE_CHECKING:
     from ..diagnosis.design.next_loads import NextLoads
@@ -50,12 +50,11 @@ def _run(args: argparse.Namespace) -> Answer:
     from ..data.measurements import read_measurements
     from ..diagnosis.design.load_pool import ADD_ONS
     from ..diagnosis.design.next_loads import Pool, in_question
-    from ..mechanism.mechanism import Mechanism
     from ..studies.diagnosis import Study
 
     result = _read(args.result)
     inputs = result["inputs"]
-    neck = Mechanism.preset() if inputs["mechanism"] is None else Mechanism.from_toml(inputs["mechanism"])
+    neck = mechanism_of(inputs["mechanism"])
     data = [read_measurements(path).with_noise(inputs.get("noise", {})) for path in inputs["data"]]
     priors = {name: (float(value), float(std)) for name, (value, std) in inputs["priors"].items()}
     pool = Pool.of(args.add_ons or ADD_ONS).within(numbers_by_name("--at-most", args.at_most))

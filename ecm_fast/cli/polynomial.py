@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ._arguments import add_model, add_path, count, discretization, finite_number, mechanism
-from ._command import IN_OUT, Answer, Command, folder, saved
+from .frame.arguments import add_model, add_path, count, discretization, finite_number, mechanism
+from .frame.command import IN_OUT, Answer, Command, folder, saved
 
 if TYPE_CHECKING:
     from ..models.polynomial.model import PolynomialModel

@@ -4,8 +4,8 @@ import argparse
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from ._arguments import add_model, add_noise, discretization, measurements, mechanism
-from ._command import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder, outputs
+from .frame.arguments import add_model, add_noise, discretization, measurements, mechanism
+from .frame.command import DONE, IN_OUT, NOT_CONVERGED, Answer, Command, folder, outputs
 
 if TYPE_CHECKING:
     from ..models.instruments.prediction import Prediction

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ._arguments import add_model, add_path, discretization, finite_number, mechanism, tension
-from ._command import DONE, NOT_CONVERGED, Answer, Command, saved
+from .frame.arguments import add_model, add_path, discretization, finite_number, mechanism, tension
+from .frame.command import DONE, NOT_CONVERGED, Answer, Command, saved
 
 if TYPE_CHECKING:
     from ..mechanism.mechanism import Mechanism

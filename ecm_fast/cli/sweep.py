@@ -5,9 +5,9 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from ._arguments import count
-from ._command import Answer, Command
-from ._terminal import Waiting, bar, note
+from .frame.arguments import count, note_assumed
+from .frame.command import Answer, Command
+from .frame.terminal import Waiting, bar, note
 
 __all__ = ["COMMAND"]
 
@@ -24,10 +24,11 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..studies.sweeps import sweep
+    from ..studies.sweeps import read_spec, sweep
 
-    progress = _Progress()
-    done = sweep(args.spec, args.out or "out/sweep", executor=args.cluster, threads=args.threads, progress=progress)
+    spec, progress = read_spec(args.spec), _Progress()
+    note_assumed(spec.mechanism, args.spec)
+    done = sweep(spec, args.out or "out/sweep", executor=args.cluster, threads=args.threads, progress=progress)
     progress.end()
     answer = {
         "cases": done.cases,

@@ -5,9 +5,9 @@ import signal
 from functools import partial
 from typing import Any
 
-from ._arguments import count, mechanism
-from ._command import Answer, Command
-from ._terminal import note
+from .frame.arguments import count, mechanism
+from .frame.command import Answer, Command
+from .frame.terminal import note
 
 __all__ = ["COMMAND"]
 

@@ -3,8 +3,8 @@
 import argparse
 from dataclasses import asdict
 
-from ._command import Answer, Command, saved
-from ._terminal import note
+from .frame.command import Answer, Command, saved
+from .frame.terminal import note
 
 __all__ = ["COMMAND"]
 

@@ -31,11 +31,11 @@ from .loads import (
 from .path_state import PathChoice, PathState, check_order
 from .paths.condensed import Condensation
 from .refinement import resolve
+from .robot.stepper import TendonStepper
+from .robot.tendons import given_lengths
 from .sensitivity import Sensitivities, sensitivities
 from .single import SingleSolver
 from .stepper import Stepper
-from .tendon_stepper import TendonStepper
-from .tendons import given_lengths
 
 __all__ = ["FiniteElementModel"]
 

@@ -28,8 +28,8 @@ from .loads import MIN_TOLERANCE, last_step, pushing
 from .paths.chain import Chain
 from .paths.condensed import ColdSolve, Condensation
 from .refinement import finer, jumps, reached, stands, work_arrays
+from .robot.tendons import by_length
 from .solution import CondensedSolution, NodalSolution
-from .tendons import by_length
 
 __all__ = ["SingleSolver"]
 

@@ -15,12 +15,12 @@ from ..mesh.discretization import Discretization
 from .body import lengths_of
 from .equilibrium import Status
 from .loads import loads_of
-from .markers import marker_poses
 from .paths.condensed import Condensation
 from .refinement import Solutions, errors, work_arrays
+from .robot.markers import marker_poses
+from .robot.tendons import by_length, tendon_state
+from .robot.tendons import without_given as _without
 from .tendon_state import TendonState
-from .tendons import by_length, tendon_state
-from .tendons import without_given as _without
 
 __all__ = ["CondensedSolution", "NodalSolution"]
 

@@ -215,7 +215,7 @@ def test_an_interrupt_is_never_lost(tmp_path: Path, module: str, where: str) -> 
     assert (done.stdout == "") == (module != "the end")
 
 
-def test_next_to_nothing_is_loaded_before_a_command_can_see_to_an_interrupt() -> None:
+def test_little_is_loaded_before_interrupts_are_seen_to() -> None:
     """Python's own list of loaded modules, without those that the installation itself loads."""
     code = "import ecm_fast.__main__, sys; print(*{'re', 'threading', 'typing'} & set(sys.modules))"
     env = {**os.environ, "PYTHONPATH": str(Path(ecm.__path__[0]).parent)}

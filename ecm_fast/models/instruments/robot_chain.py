@@ -1,4 +1,4 @@
-"""What the instruments read of a tendon robot: poses of Q and of markers, lengths of tendons; with derivatives.
+"""Readings of a tendon robot: poses of Q and of markers, lengths of tendons; with derivatives.
 
 Readings depend on the equilibrium and on how a marker is fixed. Where tendons are given by length, the derivatives at
 held forces follow the constraint: with l the lengths of taut tendons and c their compliances,
@@ -26,8 +26,8 @@ from ..body import divide, on_mesh
 from ..equilibrium import Status
 from ..loads import LAM_PLACES, loads_of
 from ..refinement import resolve, solutions, work_arrays
+from ..robot.tendons import by_length
 from ..sensitivity import Sensitivities
-from ..tendons import by_length
 from .measuring_chain import MeasuringChain, row_parameters
 
 __all__ = ["RobotChain", "chain_of", "check_columns"]

@@ -6,21 +6,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
-from ..kernels.general.lengths import LENGTHS_DEPEND, MOST_STRIDES, lengths_work_size
-from ..kernels.general.lengths import solve_lengths as follow
-from ..kernels.general.newton import solve, solve_work_size
-from ..kernels.general.tendons import tendon_derivatives
-from ..kernels.general.tip import tendon_forces
-from ..kernels.layout import CONVERGED, N_OUT, N_TENDONS, O_ITERATIONS
-from ..kernels.prepare import prepare
-from ..mechanism.body import TENDON
-from ..mechanism.mechanism import Mechanism
-from ..mechanism.parameters import FIRST_TENDON
-from ..mesh.discretization import Discretization
-from .loads import LAM_PLACES, forces_by_name, numbers
-from .refinement import work_arrays
-from .tendon_state import TendonState
+from ...errors import InputError
+from ...kernels.general.lengths import LENGTHS_DEPEND, MOST_STRIDES, lengths_work_size
+from ...kernels.general.lengths import solve_lengths as follow
+from ...kernels.general.newton import solve, solve_work_size
+from ...kernels.general.tendons import tendon_derivatives
+from ...kernels.general.tip import tendon_forces
+from ...kernels.layout import CONVERGED, N_OUT, N_TENDONS, O_ITERATIONS
+from ...kernels.prepare import prepare
+from ...mechanism.body import TENDON
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.parameters import FIRST_TENDON
+from ...mesh.discretization import Discretization
+from ..loads import LAM_PLACES, forces_by_name, numbers
+from ..refinement import work_arrays
+from ..tendon_state import TendonState
 
 __all__ = ["ByLength", "by_length", "given_lengths", "tendon_state", "without_given"]
 

@@ -5,14 +5,14 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from .. import __version__
-from ..errors import InputError, did_you_mean
-from ._command import EXIT_CODES, Command
-from ._terminal import note
+from ... import __version__
+from ...errors import InputError, did_you_mean
+from .command import EXIT_CODES, Command
+from .terminal import note
 
 if TYPE_CHECKING:
-    from ..data.measurements import Measurements
-    from ..mechanism.mechanism import Mechanism
+    from ...data.measurements import Measurements
+    from ...mechanism.mechanism import Mechanism
 
 __all__ = [
     "add_model",
@@ -23,6 +23,8 @@ __all__ = [
     "finite_number",
     "measurements",
     "mechanism",
+    "mechanism_of",
+    "note_assumed",
     "numbers_by_name",
     "parse",
     "priors_by_name",
@@ -142,7 +144,7 @@ def add_noise(parser: argparse.ArgumentParser) -> None:
 
 def measurements(path: str, args: argparse.Namespace) -> "Measurements":
     """Return the measurements of a file, with the noise that `add_noise` lets be told."""
-    from ..data.measurements import read_measurements
+    from ...data.measurements import read_measurements
 
     return read_measurements(path).with_noise(numbers_by_name("--noise", args.noise))
 
@@ -217,14 +219,24 @@ def discretization(args: argparse.Namespace) -> dict[str, Any]:
 
 def mechanism(args: argparse.Namespace) -> "Mechanism":
     """Return the mechanism that the arguments name."""
-    from ..mechanism.mechanism import Mechanism
+    return mechanism_of(args.mechanism)
 
-    if args.mechanism is None:
+
+def mechanism_of(path: str | None) -> "Mechanism":
+    """Return the mechanism of a file, or the preset, and say what the file leaves to that."""
+    from ...mechanism.mechanism import Mechanism
+
+    if path is None:
         return Mechanism.preset()
-    found = Mechanism.from_toml(args.mechanism)
-    if found.assumed:
-        values = found.values()
-        taken = ", ".join(f"{name} = {values[name]}" for name in found.assumed)
-        note(f"{args.mechanism}: not given, so as in the preset 'slender': {taken}; preset = \"slender\" in the file "
-             "means them")  # fmt: skip
+    found = Mechanism.from_toml(path)
+    note_assumed(found, path)
     return found
+
+
+def note_assumed(mechanism: "Mechanism", path: str) -> None:
+    """Say which values a mechanism's file leaves to the preset, where an answer can depend on them."""
+    if mechanism.assumed:
+        values = mechanism.values()
+        taken = ", ".join(f"{name} = {values[name]}" for name in mechanism.assumed)
+        note(f"{path}: not given, so as in the preset 'slender': {taken}; preset = \"slender\" in the file "
+             "means them")  # fmt: skip

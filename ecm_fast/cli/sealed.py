@@ -1,13 +1,17 @@
-"""``ecm-fast hide``: simulated measurements with a hidden effect, to test a diagnosis."""
+"""``ecm-fast hide`` and ``score``: simulated measurements with a hidden effect, and the grade of an answer."""
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from ._arguments import count, finite_number, mechanism
-from ._command import IN_OUT, Answer, Command, folder, outputs
+from .frame.arguments import count, finite_number, mechanism
+from .frame.command import IN_OUT, Answer, Command, folder, outputs, saved
 
-__all__ = ["COMMAND"]
+if TYPE_CHECKING:
+    from ..testbed.sealed.score import Score
+
+__all__ = ["HIDE", "SCORE"]
 
 _COMMENT = "SIMULATED, nobody measured this: the test bed of ecm_fast made it. What is hidden in it is told elsewhere."
 
@@ -18,7 +22,7 @@ def _sized(word: str) -> tuple[str, float | None]:
     return name, finite_number(size) if given else None
 
 
-def _add_arguments(parser: argparse.ArgumentParser) -> None:
+def _add_hide(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mechanism", metavar="F", help="what everybody believes to be built; default: 'slender'")
     parser.add_argument(
         "--effect",
@@ -48,7 +52,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--truth", metavar="FILE", help="where the truth goes; default truth.json beside the data")
 
 
-def _run(args: argparse.Namespace) -> Answer:
+def _hide(args: argparse.Namespace) -> Answer:
     from ..testbed.sealed.hide import hide
 
     effects = dict(args.effect)
@@ -64,4 +68,41 @@ def _run(args: argparse.Namespace) -> Answer:
     return Answer(answer, f"{data.n} rows", (f"wrote {path}", f"wrote {kept}: do not look before you have an answer"))
 
 
-COMMAND = Command("make measurements that hide an effect, and its truth in another file", _add_arguments, _run, IN_OUT)
+def _add_score(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("result", metavar="RESULT", help="what diagnose --json said")
+    parser.add_argument("truth", metavar="TRUTH", help="what hide kept back")
+
+
+def _score(args: argparse.Namespace) -> Answer:
+    from ..testbed.sealed.score import score
+
+    grade = score(args.result, args.truth)
+    answer = grade.to_json_dict()
+    return Answer(answer, _text(grade), saved(args, answer))
+
+
+def _text(grade: "Score") -> str:
+    said = {True: "yes", False: "NO", None: "not asked"}
+    lines = [
+        f"hidden: {', '.join(grade.hidden) or 'nothing'}",
+        f"answer: {grade.verdict}, {', '.join(grade.named) or 'no name'}",
+        f"verdict right: {said[grade.verdict_right]}",
+        f"first names right: {said[grade.top]}",
+        f"truth in the reported set: {said[grade.in_set]}",
+        f"more effects than hidden: {'YES' if grade.extra else 'no'}",
+    ]
+    if grade.set_size is not None:
+        lines.append(f"names in a set: {grade.set_size:.3g}")
+    if grade.alone:
+        lines.append(f"names printed alone right: {said[grade.alone_right]}")
+    for name, error in grade.size_error.items():
+        lines.append(f"{name}: {error:+.2%} off, interval holds the truth: {said[grade.covered.get(name)]}")
+    if grade.gap_closed is not None:
+        lines.append(f"gap closed on locked rows, of the mechanism calibrated alone: {grade.gap_closed:.2%}")
+    if grade.gap_closed_since_given is not None:
+        lines.append(f"the same of the mechanism as it was given: {grade.gap_closed_since_given:.2%}")
+    return "\n".join(lines)
+
+
+HIDE = Command("make measurements that hide an effect, and its truth in another file", _add_hide, _hide, IN_OUT)
+SCORE = Command("grade the answer of a diagnosis against the truth", _add_score, _score)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, why
+from ...errors import InputError, why
 
 __all__ = [
     "BAD_INPUT",
@@ -84,7 +84,7 @@ def outputs(*paths: Path) -> None:
     ------
     InputError : one would; names it.
     """
-    from ..files import refuse_input
+    from ...files import refuse_input
 
     for i, path in enumerate(paths):
         refuse_input(path)
@@ -97,7 +97,7 @@ def saved(args: argparse.Namespace, answer: Mapping[str, Any]) -> tuple[str, ...
 
     A command of two words has ``_`` between them there.
     """
-    from ..files import plain, write_whole
+    from ...files import plain, write_whole
 
     if args.out is None:
         return ()

@@ -6,7 +6,7 @@ import sys
 import time
 from typing import TextIO
 
-from ..errors import InputError, why
+from ...errors import InputError, why
 
 __all__ = ["Waiting", "bar", "note", "write"]
 

@@ -8,21 +8,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError, did_you_mean
-from ..kernels.general.lengths import lengths_work_size
-from ..kernels.general.newton import solve_work_size
-from ..kernels.general.tendon_step import tendon_step
-from ..kernels.layout import CONVERGED, N_LOADS, N_OUT, N_TENDONS
-from ..kernels.prepare import prepare
-from ..mechanism.body import TENDON
-from ..mechanism.mechanism import Mechanism
-from ..mechanism.parameters import FIRST_TENDON
-from ..mechanism.vector import pack
-from ..mesh.discretization import Discretization
-from .loads import LAM_PLACES, one_load
-from .paths.general import without_forces
-from .refinement import work_arrays
-from .tendon_state import TendonState, unknown_state
+from ...errors import InputError, did_you_mean
+from ...kernels.general.lengths import lengths_work_size
+from ...kernels.general.newton import solve_work_size
+from ...kernels.general.tendon_step import tendon_step
+from ...kernels.layout import CONVERGED, N_LOADS, N_OUT, N_TENDONS
+from ...kernels.prepare import prepare
+from ...mechanism.body import TENDON
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.parameters import FIRST_TENDON
+from ...mechanism.vector import pack
+from ...mesh.discretization import Discretization
+from ..loads import LAM_PLACES, one_load
+from ..paths.general import without_forces
+from ..refinement import work_arrays
+from ..tendon_state import TendonState, unknown_state
 from .tendons import FREEDOM, tendon_state
 
 __all__ = ["TendonStepper"]

@@ -3,15 +3,15 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernels.general.newton import solve
-from ..kernels.layout import N_OUT, O_THETA, UNSTABLE
-from ..kernels.prepare import prepare
-from ..mechanism.body import Marker
-from ..mechanism.mechanism import Mechanism
-from ..mechanism.vector import pack
-from ..mesh.discretization import Discretization
-from .body import breaks, divide, on_mesh
-from .refinement import work_arrays
+from ...kernels.general.newton import solve
+from ...kernels.layout import N_OUT, O_THETA, UNSTABLE
+from ...kernels.prepare import prepare
+from ...mechanism.body import Marker
+from ...mechanism.mechanism import Mechanism
+from ...mechanism.vector import pack
+from ...mesh.discretization import Discretization
+from ..body import breaks, divide, on_mesh
+from ..refinement import work_arrays
 from .tendons import by_length, without_given
 
 __all__ = ["marker_poses", "moved_by_offset"]

@@ -1,0 +1,1 @@
+"""Frame of all commands: arguments, answers, interrupts, and what a terminal shows."""
