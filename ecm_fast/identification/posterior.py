@@ -18,7 +18,8 @@ from ..models.equilibrium import Status
 from ..models.instruments.mesh_choice import mesh_for
 from ..models.instruments.robot_chain import chain_of
 from ..models.loads import last_step
-from .identify import identify, t_quantile
+from .fit import t_quantile
+from .identify import identify
 
 __all__ = ["Posterior", "posterior"]
 

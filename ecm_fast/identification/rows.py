@@ -1,4 +1,4 @@
-"""The rows of a fit: several experiments as one system, and the noise of each reading."""
+"""The rows of a fit: several experiments as one system."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data.columns import COLUMNS, usual_sigma
 from ..data.measurements import Measurements
-from ..errors import InputError, real, shown
+from ..errors import InputError, shown
 from ..mechanism.derived import limits
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.parameters import find, index
@@ -18,22 +17,15 @@ from ..models.equilibrium import Status
 from ..models.instruments.measuring_chain import CHANGES, row_parameters
 from ..models.instruments.mesh_choice import mesh_for
 from ..models.instruments.robot_chain import chain_of
-from .variance_components import VarianceComponents, variance_components
 
-__all__ = ["FitRows", "FitSet", "Noise", "State", "check_force_sigma", "common_mesh", "prior_std"]
+__all__ = ["FitRows", "FitSet", "State", "common_mesh", "prior_std"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-DECLARED, REPLICATES, RESIDUAL = "declared", "replicates", "residual"
-"""Where a standard deviation comes from."""
-
 _LAST_STEP = 1e-13  # squared; what Newton's method leaves is then far below any noise
-_SMALLEST_SIGMA = 1e-8  # [m, rad] what the default discretization is good for
-_ROUNDING = 1e-12  # of a variance that the forces make: below it the camera's share cannot be told from rounding
-_FEWEST_REPEATS = 6
 _REMEMBERED = 3
-_MEDIAN_TO_SIGMA = 1.4826  # of Gaussian noise
+_LEAST = 1e-12  # standard deviation of a prior, as a share of its value: less is no number to divide by
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,150 +188,10 @@ class FitRows:
         return self.measured - state.pose
 
 
-@dataclass(frozen=True, eq=False)
-class Noise:
-    """How far readings can be trusted.
-
-    Attributes
-    ----------
-    sigma : (n, c) standard deviation of each reading of the camera [m, rad]; nan where the residual has to tell
-    force : (n,) of each reading of the force cells [N]
-    origin : (n, c) where each sigma comes from
-    dof : degrees of freedom behind the least known of the known ones
-    """
-
-    sigma: Array
-    force: Array
-    origin: NDArray[np.str_]
-    dof: float = np.inf
-
-    @classmethod
-    def of(cls, rows: FitRows, start: State, force_sigma: float | None) -> "Noise":
-        """Return the noise that the measurements declare, else that of rows which repeat one load.
-
-        Raises
-        ------
-        InputError : a row declares that it has no noise at all.
-        """
-        sigma = rows.declared
-        none = rows.wanted & (sigma == 0.0)
-        if none.any():
-            i, channel = np.argwhere(none)[0]
-            raise InputError(f"{rows.where(i)}: sigma_{rows.channels[channel]} = 0: a fit weighs readings by their "
-                             "noise; leave the column out where it is not known")  # fmt: skip
-        force = rows.joined("sigma_lam") if force_sigma is None else np.full(rows.n, force_sigma)
-        force, sigma = np.nan_to_num(force), np.maximum(sigma, _SMALLEST_SIGMA)
-        origin = np.where(np.isfinite(sigma), DECLARED, RESIDUAL).astype(f"U{len(REPLICATES)}")
-        unknown = cls(sigma, force, origin)
-        return unknown._with_replicates(rows, start)
-
-    def fixed(self, used: Mask) -> bool:
-        """Whether the weights of the readings in use are known before the fit."""
-        return not self.force.any() and not np.isnan(self.sigma[used]).any()
-
-    def _with_replicates(self, rows: FitRows, start: State) -> "Noise":
-        """Fill in what the scatter among rows of one load tells, channel by channel and experiment by experiment.
-
-        The scatter is that of measured less predicted, so that loads which are repeated not quite exactly do not
-        count as noise; the force cells' share, which it contains, is taken off.
-        """
-        sigma, origin, least = self.sigma.copy(), self.origin.copy(), self.dof
-        missing = rows.wanted & np.isnan(sigma)
-        labels = rows.joined("pose_id")
-        if not missing.any() or not (labels != "").any():
-            return self
-        residual, carried = rows.residual(start), self.carried(start)
-        _, load = np.unique(np.rec.fromarrays([rows.member.astype(str), labels]), return_inverse=True)
-        for number in range(len(rows.sets)):
-            for channel in range(len(rows.channels)):
-                here = (rows.member == number) & missing[:, channel] & (labels != "") & start.stable
-                dof, variance = _pooled(residual[here, channel], load[here])
-                if dof >= _FEWEST_REPEATS:
-                    share = float(carried[here, channel, channel].mean())
-                    own = (rows.member == number) & missing[:, channel]
-                    sigma[own, channel], origin[own, channel] = _camera(variance, share), REPLICATES
-                    least = min(least, dof)
-        return Noise(sigma, self.force, origin, least)
-
-    def filled(self, rows: FitRows, state: State, used: Mask) -> Array:
-        """Return `sigma` with the robust scale of the residual where nothing else is known, (n, c).
-
-        The scale is that of the median of the residuals' sizes, which outliers do not spoil. The parameters' degrees of
-        freedom are shared among the channels by how many readings each has.
-        """
-        sigma = self.sigma.copy()
-        residual, carried = rows.residual(state), self.carried(state)
-        lost = len(rows.names) / max(int(used.sum()), 1)
-        for here, channel in self._groups(rows, used):
-            off = residual[here, channel]
-            kept = max(off.size * (1.0 - lost), 1.0)
-            spread = (_MEDIAN_TO_SIGMA * np.median(np.abs(off))) ** 2 * off.size
-            share = float(carried[here, channel, channel].mean())
-            sigma[here, channel] = _camera(float(spread) / kept, share)
-        return sigma
-
-    def components(
-        self, rows: FitRows, state: State, used: Mask, prior: tuple[Array, Array], *, robust: bool
-    ) -> VarianceComponents | None:
-        """Return the variances that the residual has to tell, None where there are none.
-
-        prior : see `variance_components`
-        """
-        groups = self._groups(rows, used)
-        if not groups:
-            return None
-        masks = np.zeros((len(groups), *used.shape), dtype=bool)
-        for mask, (here, channel) in zip(masks, groups, strict=True):
-            mask[:, channel] = here
-        return variance_components(
-            np.where(used, rows.residual(state), 0.0),
-            np.where(used[:, :, None], state.by, 0.0),
-            self.sigma,
-            masks,
-            usual_sigma(rows.channels),
-            lambda sigma: self.whitening(sigma, state, used),
-            prior,
-            robust=robust,
-        )
-
-    def _groups(self, rows: FitRows, used: Mask) -> list[tuple[Mask, int]]:
-        """Return rows (n,) and channel of readings that share a variance nobody knows."""
-        missing = used & np.isnan(self.sigma)
-        each = [(missing[:, i] & (rows.member == k), i) for k in range(len(rows.sets)) for i in range(used.shape[1])]
-        return [(here, channel) for here, channel in each if here.any()]
-
-    def carried(self, state: State) -> Array:
-        """Return the covariance that the force cells' noise makes in the readings, (n, c, c)."""
-        if not self.force.any():
-            return np.zeros((*state.pose.shape, state.pose.shape[1]))
-        scaled = np.nan_to_num(state.dpose_dlam) * self.force[:, None, None]
-        return scaled @ scaled.transpose(0, 2, 1)
-
-    def whitening(self, sigma: Array, state: State, used: Mask) -> Array:
-        """Return the matrices (n, c, c) that make the errors of a row independent and of unit size, 0 where unused."""
-        diagonal = np.where(used, sigma, 1.0)
-        out, each = np.zeros((*sigma.shape, sigma.shape[1])), np.arange(sigma.shape[1])
-        if self.force.any():
-            covariance = self.carried(state) * (used[:, :, None] & used[:, None, :])
-            covariance[:, each, each] *= 1.0 + _ROUNDING
-            covariance[:, each, each] += diagonal**2
-            out[:] = np.linalg.inv(np.linalg.cholesky(covariance))
-        else:
-            out[:, each, each] = 1.0 / diagonal
-        return out * used[:, None, :]
-
-
-def check_force_sigma(value: float | None) -> None:
-    """Complain about a noise of the force readings [N] that a column could not declare either."""
-    largest = COLUMNS["sigma_lam"].largest
-    if value is not None and not 0.0 <= real("force_sigma", value) <= largest:
-        raise InputError(f"force_sigma = {shown(value)}: allowed is a finite number >= 0, at most {largest:g} N")
-
-
 def prior_std(name: str, value: float, std: float, *, free: bool = False) -> float:
     """Return the standard deviation of a prior, or raise where it cannot be meant; inf is one where that is `free`."""
     entry = find(name)
-    least = _ROUNDING * (abs(value) or entry.typical)
+    least = _LEAST * (abs(value) or entry.typical)
     if not (least <= std < np.inf or (free and std == np.inf)):
         raise InputError(f"standard deviation {shown(std)} of the prior for {name}: allowed is a finite number > 0, "
                          f"from {least:g} {entry.unit} on")  # fmt: skip
@@ -353,18 +205,3 @@ def _shares(sets: Sequence[FitSet], only: NDArray[np.int64] | None) -> list[NDAr
     ends = np.cumsum([entry.data.n for entry in sets])
     return [part - (end - entry.data.n) for part, end, entry in
             zip(np.split(only, np.searchsorted(only, ends[:-1])), ends, sets, strict=True)]  # fmt: skip
-
-
-def _pooled(values: Array, group: NDArray[np.int64]) -> tuple[int, float]:
-    """Return degrees of freedom and variance of values about the means of their groups."""
-    if not values.size:
-        return 0, np.nan
-    _, group, count = np.unique(group, return_inverse=True, return_counts=True)
-    off = values - (np.bincount(group, values) / count)[group]
-    dof = values.size - count.size
-    return dof, float(off @ off) / max(dof, 1)
-
-
-def _camera(variance: float, share: float) -> float:
-    """Return the camera's standard deviation, where forces have a `share` in the variance seen; never nothing."""
-    return max(float(np.sqrt(max(variance - share, 0.01 * variance))), _SMALLEST_SIGMA)

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..data.columns import channel_key, usual_sigma
+from .noise import RESIDUAL
 from .result import Identification
-from .rows import RESIDUAL
 
 __all__ = ["in_words"]
 

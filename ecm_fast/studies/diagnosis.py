@@ -25,7 +25,7 @@ from ..diagnosis.results.diagnosis import Diagnosis
 from ..diagnosis.results.plan import Plan
 from ..diagnosis.search.subsample import search_all
 from ..errors import InputError, real, shown
-from ..identification.rows import check_force_sigma
+from ..identification.noise import check_force_sigma
 from ..mechanism.mechanism import Mechanism
 from ..models.instruments.checks.checks import check
 from ..models.instruments.prediction import predict

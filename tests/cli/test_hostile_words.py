@@ -17,7 +17,8 @@ import pytest
 import ecm_fast as ecm
 from ecm_fast.cli import main
 from ecm_fast.errors import InputError
-from ecm_fast.identification.rows import Noise, State
+from ecm_fast.identification.noise import ReadingNoise
+from ecm_fast.identification.rows import State
 
 pytestmark = pytest.mark.slow
 
@@ -91,7 +92,7 @@ def test_whitened_covariances_are_the_identity_at_any_scale(force: float) -> Non
     sigma = np.full((50, 3), [1e-4, 1e-4, 1e-3])
     zeros = np.zeros((50, 3))
     state = State(np.zeros(0), zeros, np.zeros((50, 3, 0)), by_force, np.zeros(50, dtype=np.int64))
-    noise = Noise(sigma, np.full(50, force), np.full((50, 3), "declared"))
+    noise = ReadingNoise(sigma, np.full(50, force), np.full((50, 3), "declared"))
     w = noise.whitening(sigma, state, np.ones((50, 3), dtype=bool))
     assert np.isfinite(w).all()
     seen = np.concatenate([w @ by_force * force, w * sigma[:, None, :]], axis=2)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from ecm_fast import Measurements, Mechanism, diagnose
-from ecm_fast.cli import _terminal as _streams
 from ecm_fast.cli import main
+from ecm_fast.cli.frame import terminal as _streams
 from ecm_fast.diagnosis.answer.claims import claims
 from ecm_fast.diagnosis.search import subsample as many
 from ecm_fast.diagnosis.search.selection import search

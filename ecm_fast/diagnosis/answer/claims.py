@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...identification.identify import t_quantile
+from ...identification.fit import t_quantile
 from ...identification.result import Estimate
 from ...mechanism.parameters import find
 from ..results.diagnosis import Claim, Model

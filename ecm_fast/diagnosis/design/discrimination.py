@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ...data.measurements import Measurements
 from ...identification.identify import fit_parameters
-from ...identification.rows import DECLARED, FitRows, FitSet, Noise, State, common_mesh
+from ...identification.noise import DECLARED, ReadingNoise
+from ...identification.rows import FitRows, FitSet, State, common_mesh
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find, index
@@ -93,7 +94,9 @@ class DiscriminationDesign:
         rows = FitRows(sets, free, common_mesh(sets)[0])
         state = rows.at(pack(mechanism)[rows.places])
         used = rows.wanted & state.stable[:, None]
-        noise = Noise(np.tile(self.sigma, (rows.n, 1)), np.full(rows.n, self.force), np.full((rows.n, 3), DECLARED))
+        noise = ReadingNoise(
+            np.tile(self.sigma, (rows.n, 1)), np.full(rows.n, self.force), np.full((rows.n, 3), DECLARED)
+        )
         whitening = noise.whitening(noise.sigma, state, used)
         off = (whitening @ np.nan_to_num(rows.residual(state))[:, :, None])[:, :, 0]
         by = whitening @ (np.nan_to_num(state.by) * [find(name).typical for name in free])

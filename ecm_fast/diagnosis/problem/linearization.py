@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import NotConverged
-from ...identification.rows import DECLARED, Noise, State
+from ...identification.noise import DECLARED, ReadingNoise
+from ...identification.rows import State
 from ..results.diagnosis import LackOfFit
 from ..statistics.evidence import EvidenceMatrix
 from ..statistics.lack_of_fit import NAMED, SMOOTH, score_test, trend_test
@@ -53,7 +54,7 @@ class Linearization:
     values: Mapping[str, float]
     state: State
     keys: tuple[str, ...]
-    noise: Noise
+    noise: ReadingNoise
     weights: Weights
     rows: NDArray[np.int64]
     chain: RowOrder
@@ -67,7 +68,7 @@ class Linearization:
         problem: Problem,
         values: Mapping[str, float],
         model: tuple[int, ...],
-        noise: Noise,
+        noise: ReadingNoise,
         *,
         known: bool = False,
     ) -> "Linearization":

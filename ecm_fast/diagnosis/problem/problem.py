@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ...data.measurements import Measurements
 from ...errors import InputError
-from ...identification.rows import FitRows, FitSet, Noise, State, common_mesh, prior_std
+from ...identification.noise import ReadingNoise
+from ...identification.rows import FitRows, FitSet, State, common_mesh, prior_std
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find, index
@@ -130,11 +131,11 @@ class Problem:
         """Return the mechanism's own values of parameters."""
         return self.par[[index(key) for key in keys]]
 
-    def noise(self, state: State) -> Noise:
+    def noise(self, state: State) -> ReadingNoise:
         """Return what is known of the noise before anything is fitted."""
-        return Noise.of(self.rows, state, self.force_sigma)
+        return ReadingNoise.of(self.rows, state, self.force_sigma)
 
-    def weights(self, noise: Noise, state: State, names: Sequence[str] = ()) -> Weights:
+    def weights(self, noise: ReadingNoise, state: State, names: Sequence[str] = ()) -> Weights:
         """Return how the readings of its stable rows count around a state, the force cells' noise carried through.
 
         names : keys of the state's derivatives; only with them does it count that no build is quite as drawn

@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...identification.rows import RESIDUAL, State
+from ...identification.noise import RESIDUAL
+from ...identification.rows import State
 from ..problem.problem import Problem
 from ..results.diagnosis import Noise
 from ..results.external_validation import Transfer, allowed

@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 
 from ...errors import NotConverged
 from ...identification.least_squares import Loss, minimize
-from ...identification.rows import FitRows, Noise, State
+from ...identification.noise import ReadingNoise
+from ...identification.rows import FitRows, State
 from ..problem.problem import Problem
 from ..problem.stiffness_scale import Scales
 
@@ -18,7 +19,7 @@ _ROUNDS = 4  # rounds of calibration and noise; three are usual
 _SAME = 0.05  # per cent: parameters that moved less are those of the round before
 
 
-def calibrate(problem: Problem) -> tuple[dict[str, float], Noise]:
+def calibrate(problem: Problem) -> tuple[dict[str, float], ReadingNoise]:
     """Return the calibrated parameters by key, and what is known of the noise.
 
     Raises
@@ -43,7 +44,7 @@ def calibrate(problem: Problem) -> tuple[dict[str, float], Noise]:
 
 
 def _fit(
-    problem: Problem, rows: FitRows, noise: Noise, state: State, start: Array, bounds: tuple[Array, Array]
+    problem: Problem, rows: FitRows, noise: ReadingNoise, state: State, start: Array, bounds: tuple[Array, Array]
 ) -> Array:
     use, places = state.stable, problem.open[state.stable]
     weights = problem.weights(noise, state.among(problem.rows.n, problem.open))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...identification.rows import DECLARED
+from ...identification.noise import DECLARED
 from ..problem.linearization import Linearization
 from ..results.diagnosis import LackOfFit
 from ..statistics.robust_noise import orthonormal, removal

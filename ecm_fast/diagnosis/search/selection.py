@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...identification.rows import Noise
+from ...identification.noise import ReadingNoise
 from ..problem.linearization import Linearization
 from ..problem.problem import Problem
 from ..results.diagnosis import LackOfFit, Model
@@ -312,7 +312,11 @@ def _alone(view: Linearization, pairs: list[Fit], others: list[Fit]) -> list[Fit
 
 
 def _singles(
-    problem: Problem, baseline: Linearization, noise: Noise, view: Linearization, known: dict[tuple[int, ...], Fit]
+    problem: Problem,
+    baseline: Linearization,
+    noise: ReadingNoise,
+    view: Linearization,
+    known: dict[tuple[int, ...], Fit],
 ) -> tuple[Linearization, Fit, list[Fit]]:
     """Return the view at the best single effect, the fit without any there, and all fits, the best first.
 
@@ -338,7 +342,7 @@ def _singles(
 
 
 def fit_pairs(
-    problem: Problem, baseline: Linearization, single: Linearization, noise: Noise, singles: list[Fit]
+    problem: Problem, baseline: Linearization, single: Linearization, noise: ReadingNoise, singles: list[Fit]
 ) -> Fits:
     """Return the view at the best pair of effects, the fit without any there, and all fits, the best first."""
     view, best, starts = single, None, {fit.model: fit for fit in singles}
