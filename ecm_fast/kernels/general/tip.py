@@ -80,8 +80,7 @@ def _head_wrench(tip, loads, x, z, theta, wrench, K):
         shortest = free_l.real
     if lam_r != 0.0:
         f_rx, f_rz, m_r, xx_r, zx_r, zz_r, tx_r, tz_r, tt_r = _pull(lam_r, e_rx, e_rz, free_r, r_x, r_z)
-        # a nan (attachment inside the pulley) must win
-        shortest = shortest if free_r.real >= shortest else free_r.real
+        shortest = _shorter(shortest, free_r.real)
     k_z, k_t = tip[at.T_SPRING_Z], tip[at.T_SPRING_T]
     stop, stop_tt = _stops(tip, theta)
     wrench[0] = loads[at.L_FX] + w_x + f_lx + f_rx
@@ -129,8 +128,14 @@ def _add_chords(tip, loads, x, z, s, c, wrench, K, shortest):
         K[3] += tx
         K[4] += tz
         K[5] += tt
-        shortest = shortest if free.real >= shortest else free.real
+        shortest = _shorter(shortest, free.real)
     return shortest
+
+
+@kernel
+def _shorter(length, other):
+    """The smaller of two free lengths; nan, of an attachment inside its pulley, where either is."""
+    return length if other >= length or length != length else other
 
 
 @step_kernel
