@@ -278,16 +278,15 @@ def _lagrange_fails(tables, stations, loads, q):
     n_gauss, width = tables.shape[1], 3 * (tables.shape[2] - 1)
     for i in range(stations.shape[0]):
         station, first = stations[i], width * (i // n_gauss)
-        _, _, gamma_x, gamma_z, _, law = lagrange.section_at(
+        _, _, gamma_x, _, _, law = lagrange.section_at(
             tables, station, loads, i % n_gauss, q[first : first + width + 3]
         )
-        N, Q, _, N_x, Q_x, _, Q_z, _, M_k = law
+        N, _, _, N_x, Q_x, _, Q_z, _, M_k = law
         det = N_x * Q_z - Q_x * Q_x
         EA, GA, EI = station[S_EA], station[S_GA], station[S_EI]
         if not (N_x > LOST * EA and Q_z > LOST * GA and det > LOST * EA * GA and M_k > LOST * EI):
             return True
-        turn = gamma_x * N + gamma_z * Q - (Q * Q * Q_z + 2.0 * Q * N * Q_x + N * N * N_x) / det
-        if N > 0.0 and turn < 0.0:
+        if N > 0.0 and gamma_x * det < N * N_x:
             return True
     return False
 
@@ -303,9 +302,9 @@ _section_fails: Any = by_first_type(
 )
 """Whether the law of a section, not the neck as a column, is what lost stability at `q`.
 
-Either the law has lost its stiffness; or under tension a section that turns at a given contact force gains more from
-shearing than it loses, gamma_x N + gamma_z Q < (-Q, N) C (-Q, N), C the compliance in stretch and shear: with the plain
-law N > GA gamma_x. Under compression that sum is negative in every column, and bending holds it.
+Either the law has lost its stiffness; or a tension N is more than what shears the section at a given tension,
+N > gamma_x (Q_z - Q_x^2/N_x): with the plain law N > GA gamma_x. A section that turns then gains more from shearing
+than it loses. What a shear force adds where N is small, and any compression, bending holds in every column.
 """
 
 
