@@ -16,6 +16,7 @@ __all__ = ["DEFAULT_ORDER", "Discretization"]
 DEFAULT_ORDER, MAX_GAUSS = 5, 12
 MAX_ELEMENTS = 100_000  # a bound on memory: some 100 MB
 SMALLEST_SHARE = 1e-9  # shorter elements differ from none by rounding alone
+NO_ELEMENT = 1e-6  # places nearer to the end of an element than this are its end
 
 
 @dataclass(frozen=True)
@@ -127,6 +128,14 @@ class Discretization:
     def halved(self) -> "Discretization":
         """The discretization whose elements are halves of these."""
         return _kept(tuple(0.5 * share for share in self.shares for _ in range(2)), self.order, self.gauss, self.family)
+
+    def ending(self, places: tuple[float, ...]) -> "Discretization":
+        """Return this discretization with more elements, such that elements end at places [shares of the length]."""
+        ends = np.concatenate([[0.0], np.cumsum(self.shares)])
+        new = [place for place in places if np.abs(ends - place).min() > NO_ELEMENT]
+        if not new:
+            return self
+        return Discretization.of(np.diff(np.sort([*ends, *new])), self.order, self.gauss, self.family)
 
     @cached_property
     def halves(self) -> NDArray[np.float64]:

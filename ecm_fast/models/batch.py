@@ -11,7 +11,7 @@ from .equilibrium import BatchResult, Status
 from .loads import loads_of, pushing
 from .paths.chain import Chain
 from .paths.condensed import Condensation, columns, solve_mechanisms
-from .refinement import errors, solutions, solve_refined, stands
+from .refinement import errors, is_smooth, solutions, solve_refined, stands
 
 __all__ = ["fast_path", "solve_cases"]
 
@@ -57,6 +57,7 @@ def solve_cases(
     out, factor, doubt = (result.x, result.z, result.theta, result.status), result.load_factor, np.empty(n)
     guess = fast.fit_guess(lam.max(), wrench[0]) if fast and len(wrench) == 1 and n >= WORTH_A_GUESS else None
     settled: list[tuple[NDArray[np.intp], Array]] = []
+    smooth = is_smooth(par)
 
     def part(rows: slice) -> None:
         own = out[0][rows], out[1][rows], out[2][rows], out[3][rows], doubt[rows]
@@ -69,7 +70,7 @@ def solve_cases(
             solve_mechanisms(mesh, par[rows], *loads, step_tol2, own)
         open_ = own[3] != Status.CONVERGED
         if accuracy is not None:
-            open_ |= ~(own[4] <= accuracy)
+            open_ |= ~((own[4] <= accuracy) & (smooth if len(smooth) == 1 else smooth[rows]))
         todo = rows.start + np.flatnonzero(open_)
         if todo.size:
             error = _finish(mesh, todo, par, lam, wrench, step_tol2, out, factor, accuracy)

@@ -27,7 +27,7 @@ from .equilibrium import Equilibrium, Status
 from .loads import MIN_TOLERANCE, last_step, pushing
 from .paths.chain import Chain
 from .paths.condensed import ColdSolve, Condensation
-from .refinement import finer, jumps, reached, stands, work_arrays
+from .refinement import finer, is_smooth, jumps, reached, stands, work_arrays
 from .robot.tendons import by_length
 from .solution import CondensedSolution, NodalSolution
 
@@ -91,6 +91,11 @@ class SingleSolver:
         """Whether a force cell reads another force than acts, so that a reading may mean a tendon that pushes."""
         return pushing(self.par[None], np.zeros((1, 2))) is not None
 
+    @cached_property
+    def _is_smooth(self) -> bool:
+        """Whether the condensed path's bound of the error holds, see `refinement.is_smooth`."""
+        return bool(is_smooth(self.par[None])[0])
+
     @property
     def _cold(self) -> ColdSolve | None:
         """The condensed path's solve of one load case, of the calling thread; None where it does not apply."""
@@ -123,7 +128,7 @@ class SingleSolver:
             solution=solution,
             mechanism=self.mechanism,
         )
-        return eq, bound <= (accuracy or np.inf)
+        return eq, accuracy is None or (self._is_smooth and bound <= accuracy)
 
     def _on(self, mesh: Discretization) -> "SingleSolver":
         """Return the solver of the same mechanism on another discretization."""
