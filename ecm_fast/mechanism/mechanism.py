@@ -112,6 +112,12 @@ class Mechanism:
         """Whether the two tendons are the pair of the section `tendons`."""
         return not (self.segments or self.named_tendons)
 
+    def check_pair(self, what: str) -> None:
+        """Refuse a robot where `what` knows a neck alone."""
+        if not self.has_pair:
+            raise InputError(f"{what}: allowed for a neck with the pair of [tendons]; this mechanism is a robot with "
+                             "[[tendon]]s or [[segment]]s of its own")  # fmt: skip
+
     @property
     def tendon_names(self) -> tuple[str, ...]:
         """Names of the tendons, in the order of tendon forces."""

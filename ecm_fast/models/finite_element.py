@@ -283,8 +283,7 @@ class FiniteElementModel:
         OutOfReach : no allowed forces meet both; the text gives the nearest that can be had and its forces.
         InputError : not two wishes, a number that is not finite, or effects of the path without `path`.
         """
-        if not self.mechanism.has_pair:
-            raise InputError("inverse: allowed for the pair of [tendons]; this mechanism has [[tendon]]s")
+        self.mechanism.check_pair("inverse")
         model = self.at_state(path, "inverse")
         if model is not self:
             return model.inverse(
@@ -299,8 +298,7 @@ class FiniteElementModel:
                 side = np.linspace(0.0, lam_max, 9)
                 grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
                 poses = self.solve_batch(grid, wrench, path="ignore").pose
-                step = Stepper(self.mechanism, self.discretization, wrench, tolerance=1e-12, derivatives=True,
-                               path="ignore")  # fmt: skip
+                step = self.stepper(wrench, tolerance=1e-12, derivatives=True, path="ignore")
                 self._inverse = key, Inverse(step, grid, poses, self.mechanism.beam.length, lam_max)
             return self._inverse[1](theta=theta, x=x, z=z, co_contraction=co_contraction)
 
@@ -312,8 +310,7 @@ class FiniteElementModel:
         derivatives: bool = False,
         lam_max: float = 0.0,
         path: PathChoice = None,
-        lengths: Sequence[str] = (),
-    ) -> Stepper | TendonStepper:
+    ) -> Stepper:
         """Return ``step(lam_l, lam_r) -> x, z, theta, status`` for a control loop.
 
         Each call starts from the equilibria of the calls before, takes a bounded number of Newton steps, allocates
@@ -331,20 +328,38 @@ class FiniteElementModel:
             none can be fitted, from the straight neck. With effects of the path each call starts there
         path : ``"ignore"`` leaves effects of the path out, `Stepper.state` holds them; default: each call is the next
             row of a path
-        lengths : names of tendons that a call drives by their free length [m] instead of their force
 
-        Robots with named tendons have a `TendonStepper`: a call takes one number for each tendon, in the order of the
-        file. Of its settings `wrench` and `lengths` count, and any `lam_max` above 0 has each call start from rest.
+        Of a robot with named tendons this is `tendon_stepper`, by force.
         """
         if not self.mechanism.has_pair:
-            check_order(self._path_effects, path, "the stepper of a robot")
-            mechanism = replace(self.mechanism, markers=())
-            return TendonStepper(mechanism, self.discretization, wrench, lengths, afresh=lam_max != 0.0)
-        if lengths:
-            raise InputError("lengths: allowed for [[tendon]]s; the pair of [tendons] is given by force")
+            by_force: Any = self.tendon_stepper(wrench, afresh=lam_max != 0.0, path=path)
+            return by_force  # type: ignore[no-any-return]  # whose calls take as many forces as there are tendons
         settings: dict[str, Any] = {"tolerance": tolerance, "derivatives": derivatives}
         settings |= {"lam_max": lam_max, "path": path}
         return Stepper(replace(self.mechanism, markers=()), self.discretization, wrench, **settings)
+
+    def tendon_stepper(
+        self,
+        wrench: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        lengths: Sequence[str] = (),
+        afresh: bool = False,
+        path: PathChoice = None,
+    ) -> TendonStepper:
+        """Return the control step of a robot: a call takes one number for each tendon, in the order of the file.
+
+        Parameters
+        ----------
+        wrench : (3,) dead wrench at Q that stays [N, N, N m]
+        lengths : names of tendons that a call drives by their free length [m] instead of their force [N]
+        afresh : each call starts from the robot without tendon forces, and depends on its arguments alone
+        path : ``"ignore"`` leaves effects of the path out
+        """
+        if self.mechanism.has_pair:
+            raise InputError("tendon_stepper: allowed for [[tendon]]s; the pair of [tendons] has a stepper()")
+        check_order(self._path_effects, path, "the stepper of a robot")
+        mechanism = replace(self.mechanism, markers=())
+        return TendonStepper(mechanism, self.discretization, wrench, lengths, afresh=afresh)
 
     def __repr__(self) -> str:
         mesh = self.discretization

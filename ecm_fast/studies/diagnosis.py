@@ -151,6 +151,7 @@ class Study:
 
     def plan(self) -> Plan:
         """Return what the loads can tell, whatever will be measured."""
+        self.mechanism.check_pair("a plan")
         parts = [_blank_filled(part, predict(self.mechanism, part).pose) for part in self.parts]
         return assemble_plan(self.problem(parts), self.alpha, self.seed)
 

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -117,7 +116,7 @@ def _all_of(eq: Equilibrium) -> object:
 
 
 def _along_a_path(neck: Mechanism) -> object:
-    step: Any = FiniteElementModel(neck.replace(creep=0.01)).stepper()
+    step = FiniteElementModel(neck.replace(creep=0.01)).stepper()
     step(40.0, 10.0)
     return step.state.hold(neck)
 

@@ -78,8 +78,10 @@ def named(mechanism: Mechanism, hidden: Mapping[str, float] | None = None) -> di
 
     Raises
     ------
-    InputError : the mechanism has an effect that no law here holds; the measurements would lack it silently.
+    InputError : the mechanism has an effect that no law here holds; the measurements would lack it silently. Or it is
+        a robot.
     """
+    mechanism.check_pair("the test bed")
     for name, value in mechanism.effects.items():
         if name.partition(".")[0] not in BUILT_IN:
             raise InputError(f"effects.{name} = {value:g}: the test bed has no law for it; allowed are "
@@ -126,7 +128,7 @@ def plate(p: Parameters, tip: Array) -> Array:
 
 def _gravity(p: Parameters, rows: Loads) -> Array:
     """Acceleration of gravity, (2, n) [m/s^2], while it grows."""
-    angle = rows.tilt + p["effects.gravity_tilt"]
+    angle = rows.tilt + p["gravity.tilt"] + p["effects.gravity_tilt"]
     return -p["gravity.g"] * rows.share * np.stack([np.cos(angle), np.sin(angle)])
 
 

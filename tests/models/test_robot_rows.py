@@ -8,6 +8,7 @@ import ecm_fast as ecm
 from ecm_fast.mechanism.parameters import index
 from ecm_fast.mechanism.vector import pack
 from ecm_fast.models.instruments.robot_chain import RobotChain
+from ecm_fast.testbed import Sensors, measure, tendon_test
 
 TENTACLE = """
 [[segment]]
@@ -199,3 +200,20 @@ def test_a_body_of_more_pieces_than_the_mesh_is_refused(tentacle):
     assert with_markers.solve(par, 1e-20)[1].tolist() == 3 * [ecm.Status.INVALID_INPUT]
     result = model.solve_batch([(1.0, 0.0)], parameters=[par], path="ignore")
     assert not result.converged.any()
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda robot, data: ecm.diagnose(robot, data),
+        lambda robot, data: ecm.plan(robot, data),
+        lambda robot, data: measure(robot, tendon_test(), Sensors(), seed=0),
+        lambda robot, data: ecm.FiniteElementModel(robot).inverse(theta=0.1, co_contraction=1.0),
+    ],
+    ids=["diagnose", "plan", "test bed", "inverse"],
+)
+def test_what_knows_necks_alone_refuses_robots(tentacle, use):
+    """Contract: one sentence instead of the answer for a neck that is not there."""
+    data = ecm.Measurements.from_columns({**FORCES, "M1_x_mm": [129.0, 128.0, 127.0], "M1_z_mm": [15.0, 20.0, 30.0]})
+    with pytest.raises(ecm.InputError, match=r"allowed for a neck with the pair of \[tendons\]"):
+        use(tentacle, data)

@@ -34,7 +34,7 @@ def test_steps_are_the_poses_of_shooting(table, table_name):
         numbers, by_length = tendon_numbers(row), table_name.endswith("lengths")
         model = ecm.FiniteElementModel(robot(row), **FINE)
         wrench = (row["fx"], row["fz"], row["tau"])
-        step = model.stepper(wrench, lengths=[f"t{i}" for i in numbers] if by_length else ())
+        step = model.tendon_stepper(wrench, lengths=[f"t{i}" for i in numbers] if by_length else ())
         x, z, theta, status = settled(step, [row[f"t{i}_given" if by_length else f"t{i}_tension"] for i in numbers])
         assert status == 0, row["id"]
         assert (np.abs(np.array([x, z, theta]) - pose_of(row, "tip")) <= 1e-8 * sizes(row)).all(), row["id"]
@@ -45,7 +45,7 @@ def test_steps_are_the_poses_of_shooting(table, table_name):
 def test_small_steps_follow_the_closed_arc():
     """Closed form: pose, length and both Jacobians of a weightless arc under one parallel tendon."""
     model = ecm.FiniteElementModel(arc(), elements=4, order=6)
-    by_force, by_length = model.stepper(), model.stepper(lengths=["t"])
+    by_force, by_length = model.stepper(), model.tendon_stepper(lengths=["t"])
     h = 1e-4
     for force in np.linspace(1.0, 20.0, 20):
         pose, length = closed_arc(force)
@@ -61,7 +61,7 @@ def test_small_steps_follow_the_closed_arc():
 def test_what_cannot_be_has_a_status_and_changes_nothing():
     """Contract: nan and INVALID_INPUT for numbers that cannot be meant; the next call is as if nothing had been."""
     model = ecm.FiniteElementModel(arc())
-    for step, good in ((model.stepper(), 10.0), (model.stepper(lengths=["t"]), 0.21)):
+    for step, good in ((model.stepper(), 10.0), (model.tendon_stepper(lengths=["t"]), 0.21)):
         before = settled(step, [good])
         for bad in (math.nan, math.inf, -1.0):
             *pose, status = step(bad)
@@ -72,14 +72,14 @@ def test_what_cannot_be_has_a_status_and_changes_nothing():
     with pytest.raises(ecm.InputError, match="2 numbers: allowed is one for each tendon: t"):
         step(1.0, 2.0)
     with pytest.raises(ecm.InputError, match=r"no tendon is called 's'.*allowed are t"):
-        model.stepper(lengths=["s"])
-    with pytest.raises(ecm.InputError, match="the pair of \\[tendons\\] is given by force"):
-        ecm.FiniteElementModel().stepper(lengths=["l"])
+        model.tendon_stepper(lengths=["s"])
+    with pytest.raises(ecm.InputError, match=r"the pair of \[tendons\] has a stepper"):
+        ecm.FiniteElementModel().tendon_stepper()
 
 
 def test_copies_go_on_from_the_same_state():
     """Contract: copies and pickles answer as the original does, and share nothing with it."""
-    step = ecm.FiniteElementModel(arc()).stepper(lengths=["t"])
+    step = ecm.FiniteElementModel(arc()).tendon_stepper(lengths=["t"])
     settled(step, [0.21])
     twins = [copy.copy(step), copy.deepcopy(step), pickle.loads(pickle.dumps(step))]
     expected = step(0.20)

@@ -142,6 +142,11 @@ def test_heavy_elastica_weight_and_tilt(table):
         (found,) = poses(
             ELASTICA.replace(g=9.81, mass_per_length=beta / 9.81, **{"head.mass": 0.0}), tilt_rad=[np.pi / 2]
         )
+        (turned,) = poses(
+            ELASTICA.replace(g=9.81, mass_per_length=beta / 9.81, **{"head.mass": 0.0, "gravity.tilt": np.pi / 2}),
+            fz_N=[0.0],
+        )
+        assert turned == pytest.approx(found, abs=1e-12)
         found[1] += beta / (2.0 * STIFF)
         assert np.abs(found - pose).max() < TABLE
 

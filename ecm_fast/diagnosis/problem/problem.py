@@ -68,6 +68,7 @@ class Problem:
         seed: int,
         progress: Progress | None = None,
     ) -> None:
+        mechanism.check_pair("a diagnosis")
         self.mechanism, self.data, self.candidates = mechanism, tuple(data), tuple(candidates)
         self.force_sigma, self.drift = force_sigma, DRIFT
         self.progress = progress or Progress()

@@ -33,7 +33,7 @@ MOST_STEPS = 60
 
 
 class TendonStepper:
-    """A control step ``x, z, theta, status = step(2.0, 0.30)``, made by `FiniteElementModel.stepper`.
+    """A control step ``x, z, theta, status = step(2.0, 0.30)``, made by `FiniteElementModel.tendon_stepper`.
 
     A call takes one number for each tendon, in the order of the file: its force [N], or its free length [m] where the
     stepper was made with ``lengths=("back",)``. It starts from the equilibrium of the call before, takes at most 60

@@ -57,6 +57,7 @@ class Scene:
     """What one page shows; every page, and every thread, has its own."""
 
     def __init__(self, mechanism: Mechanism, data: Measurements | None = None) -> None:
+        mechanism.check_pair("the live page")
         self.mechanism = mechanism
         self.data = data
         self._changes: Mapping[str, float] | None = None

@@ -99,6 +99,7 @@ def candidates(mechanism: Mechanism, family: str | None = None) -> tuple[Candida
 
     family : the only one to compare; default all
     """
+    mechanism.check_pair("the study of elements")
     only = None if family is None else find_family(family).name
     found = [Candidate.even(count, order, gauss, name) for name, order, gauss, counts in _KINDS for count in counts]
     jumps = stiffness_jumps(mechanism)
