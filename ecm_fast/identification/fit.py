@@ -26,9 +26,9 @@ __all__ = ["WeightedFit", "t_quantile"]
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_ROUNDS = 12
+_ROUNDS = 12  # at most, of weights and minimum in turn
 _NEAR_ENOUGH = 0.1  # standard deviations: where the weights change anyway, a better minimum is not worth its solves
-_SAME_WEIGHTS = 1e-3
+_SAME_WEIGHTS = 1e-3  # relative change of the weights that counts as none
 _FEWEST_ROWS, _FEWEST_DOF = 3, 1.0  # that an interval is taken from where the fit itself tells the noise
 _LOST = 1e3  # standard deviation over the value of a stiffness from which on its flexibility is as good as none
 _HIDDEN = 0.05  # share of a direction that is not seen, from which on a parameter is part of it

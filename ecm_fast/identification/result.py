@@ -17,7 +17,7 @@ __all__ = ["Estimate", "Identification", "Objective", "Profile"]
 
 Array = NDArray[np.float64]
 
-_SEARCHES = 12
+_SEARCHES = 12  # fits for one end of a profile's interval, at most
 _PLACES = 8
 """Decimals beyond which a number is written with its power of ten."""
 _CLOSE = 1e-3  # of the root that a profile is searched for

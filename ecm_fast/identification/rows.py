@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _LAST_STEP = 1e-13  # squared; what Newton's method leaves is then far below any noise
-_REMEMBERED = 3
+_REMEMBERED = 3  # states, of which a fit asks for the last ones again
 _LEAST = 1e-12  # standard deviation of a prior, as a share of its value: less is no number to divide by
 
 

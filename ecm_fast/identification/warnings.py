@@ -16,8 +16,9 @@ Array = NDArray[np.float64]
 
 _UNSEEN = 1.0  # standard deviation of a combination, in units of the parameters' own size
 _PART = 0.1  # smallest part of a combination that is worth naming
+# correlation, standard deviations from a prior, and chance of a misfit from which on a user should know
 _CORRELATED, _DRIFTED, _IMPLAUSIBLE = 0.99, 3.0, 1e-3
-_NEAR_BOUND = 1e-9
+_NEAR_BOUND = 1e-9  # relative: rounding of a value that was clipped to its bound
 _FEW_ROWS, _FAR, _LARGE = 3, 10.0, 0.1  # rms over that of a camera, and over what the readings vary by
 _FEW_DOF = 5.0  # where Student's t makes a 90 % interval a quarter wider than known noise does
 

@@ -39,7 +39,7 @@ __all__ = ["FULL_LOAD", "begin", "follow", "inherit", "next_row", "row_pieces", 
 # a tendon that moves less has not moved [m]
 STILL = 1e-9
 FULL_LOAD = 320.0  # [N] of both tendons together, the largest of the paper's experiments
-N_SIZES = 7
+N_SIZES = 7  # numbers at the head of the memory of `next_row`: lengths and places of its parts
 FIXED = N_SIZES + N_PAST + 15 + 2 * (N_STRETCH + N_SLOPE)  # what the memory of `next_row` holds whatever the mesh
 
 

@@ -28,9 +28,9 @@ N_LOADS = L_LAM_3 + N_TENDONS - 2
 (S_WEIGHT, S_INV_H, S_EA, S_GA, S_EI, S_KAPPA0, S_OFFSET, S_HOOKE, S_LOAD_X, S_LOAD_Z, S_FURTHER, S_CUBIC,
  S_AMPLITUDE, S_ONE_SIDED, S_BIMODULUS, S_NEO_HOOKEAN, S_MOONEY, S_OGDEN, S_SHEAR_CUBIC, S_SHEAR_COMPRESSION,
  S_PLACE, S_LAW, S_USER) = range(23)
-N_USER = 8
+N_USER = 8  # values of effects of the user's own that a station has room for
 S_GUIDES = S_USER + N_USER
-S_GUIDE, N_GUIDE = S_GUIDES + 1, 5
+S_GUIDE, N_GUIDE = S_GUIDES + 1, 5  # the five that are listed above
 N_STATION = S_GUIDE + N_GUIDE * N_TENDONS
 
 

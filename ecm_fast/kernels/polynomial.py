@@ -18,7 +18,7 @@ from .unroll import derivative, function, horner
 
 __all__ = ["DEGREES", "Kernels", "exponents", "kernels_of"]
 
-DEGREES = (1, 2, 3, 4, 5, 6)
+DEGREES = (1, 2, 3, 4, 5, 6)  # the paper's is 3; each is compiled on its own
 _VARIABLES = ("u", "v", "w")
 
 

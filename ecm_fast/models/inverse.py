@@ -18,7 +18,7 @@ CO_CONTRACTION = 3  # the row of a wish behind x, z and theta
 UNITS = ("m", "m", "rad", "N")
 # a wish is met to this share of its scale: length, 1 rad, the largest force
 MET = 1e-9
-MAX_STEPS = 40
+MAX_STEPS = 40  # of Gauss-Newton, with shorter ones at the bounds; what needs more is out of reach
 
 
 class Inverse:

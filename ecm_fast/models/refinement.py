@@ -35,7 +35,7 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-HIGHEST_ORDER, MOST_ELEMENTS = 6, 256
+HIGHEST_ORDER, MOST_ELEMENTS = 6, 256  # the highest order with a fast path, and a bound on time
 # the error of order 6 falls by 2^12 where elements are halved, in theory; 2^6 is counted on
 FALL = 6.0
 # errors above this are no measure of how much finer the elements must be

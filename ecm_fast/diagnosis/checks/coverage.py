@@ -11,10 +11,10 @@ from ..search.subsample import ENOUGH
 
 __all__ = ["FEW_ROWS", "coverage"]
 
-FEW_ROWS = 30
-_MANY_ROWS = 3000
-_SIDE = 0.02
-_NAMES_SHOWN = 4
+FEW_ROWS = 30  # a judgement: of fewer rows the noise of three channels and a name are not both known
+_MANY_ROWS = 3000  # a judgement: beyond, a search of all rows takes minutes
+_SIDE = 0.02  # share of the largest force: less is a cell's zero, not a pull
+_NAMES_SHOWN = 4  # that fit one line
 
 
 def coverage(data: Measurements) -> list[Finding]:

@@ -34,9 +34,9 @@ _CHANNELS = ("x", "z", "theta")
 _UNITS = ("mm", "mm", "mrad")
 _UNDER_MIRROR = np.array([1.0, -1.0, -1.0])
 _FEWEST = 6  # with five pairs no pattern of signs is rarer than 1/16
-_PAIRS_EACH = 8
-_ALL_SIGNS = 12
-_FLIPS = 1999
+_PAIRS_EACH = 8  # pairs for each column of the fit that is taken off: with fewer it follows them
+_ALL_SIGNS = 12  # up to so many pairs all 2^12 patterns of signs are tried, more are drawn
+_FLIPS = 1999  # drawn patterns: with the one that was seen 2000, so that p is known to 0.0005
 _WORDS = {
     "odd": "left and right differ",
     "even": "what is missing is alike on both sides",

@@ -7,7 +7,7 @@ from tqdm import tqdm
 __all__ = ["STAGES", "Progress"]
 
 STAGES = ("search", "all rows", "proof")
-_BAR = 20
+_BAR = 20  # characters
 _HALF = 20  # fits after which a stage's part of the bar is half full: how many a search takes nobody knows before
 
 

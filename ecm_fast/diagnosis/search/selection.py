@@ -52,14 +52,15 @@ _PLAUSIBLE = 6.0
 _VISIBLE, _LEFT_OVER = 2.0, 0.5
 """Times the noise from which on a misfit is far beyond it, and the share of its square that an answer may leave."""
 _LEFT, _SINGLES, _PAIRS = 30.0, 12, 30
+"""Evidence behind the best up to which models are fitted in full, and the fewest of one effect and of two."""
 _ROUGH = 0.3
 """Share of the best evidence by which the linear ranking may be wrong."""
-_PASSES = 3
+_PASSES = 3  # at most, of ranking by the linear fit and fitting in full
 WORTH = 9.2
 """Evidence that a second name must add, whether or not a test still sees something beside the first."""
-_SPEAKS = 2.0
-_HOPELESS = 100.0
-_AGAIN, _GAIN = 3, 0.5
+_SPEAKS = 2.0  # evidence of a factor of e^2 = 7: as good as none is below it
+_HOPELESS = 100.0  # chi2 behind the last fit: it will not come back
+_AGAIN, _GAIN = 3, 0.5  # new starts at most, and the least chi2 that makes another one worth it
 
 
 @dataclass(frozen=True, eq=False)

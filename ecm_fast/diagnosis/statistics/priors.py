@@ -61,7 +61,7 @@ _FACTOR = 0.5
 _ANY = 0.1
 """Share of the sizes of which no more is known than the normal prior says."""
 _AT = np.linspace(-6.0, 6.0, 61)  # standard deviations of what the data leave open
-_LOG_WEIGHT = -0.5 * _AT**2 - np.log(np.exp(-0.5 * _AT**2).sum())
+_LOG_WEIGHT = -0.5 * _AT**2 - np.log(np.exp(-0.5 * _AT**2).sum())  # of a normal density there, of sum 1
 
 
 def size_factor(size: Array, std: Array, one_sided: Mask) -> Array:

@@ -98,7 +98,7 @@ __all__ = [
 # squares, in rad and shares of the length: of a step that is rounding, of the largest first one, and of the ratio of
 # two successive ones
 ROUNDING2, LARGEST2, SHRINK2 = 1e-18, 1.0, 0.25
-MAX_STEPS = 7
+MAX_STEPS = 7  # of Newton, whose last five square the error; what needs more goes the general path
 # a tip force that still changes by 1e-7 EI/length^2 counts as much as a step of 1e-9
 FORCE_SHARE = 0.01
 

@@ -32,6 +32,7 @@ __all__ = ["LENGTHS_DEPEND", "MOST_STRIDES", "converge", "lengths_work_size", "p
 LENGTHS_DEPEND = 100
 """Beside the statuses of `layout`: the given lengths depend on each other, some tendon needs a compliance."""
 N_SMALL = 2 * N_TENDONS * N_TENDONS + 6 * N_TENDONS + 16  # numbers of `_converge` that do not grow with the mesh
+# Newton steps of a stride, strides, and the least stride as a share of the way, where the branch counts as ended
 MOST_STEPS, MOST_STRIDES, LEAST_STRIDE = 14, 200, 1e-6
 # largest step of the nodes, in rad and shares of the length, of the first Newton step and of all
 LARGEST_STEP = 0.5

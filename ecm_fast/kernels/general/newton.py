@@ -53,9 +53,10 @@ __all__ = ["ROUNDING_FLOOR", "advance", "solve", "solve_work_size", "step_size"]
 
 # below this a step that no longer shrinks is rounding (large EA against EI), not progress
 ROUNDING_FLOOR = 1e-6
-MAX_ITERATIONS = 12
+MAX_ITERATIONS = 12  # at fixed loads; steps must halve at least, so twelve reach 2e-4 of the first one
 # a first step larger than this is no small correction
 FULL_LOAD_LIMIT, LOAD_STEP_LIMIT = 1.0, 0.4
+# shares of the way: tried first, and so small that the branch has ended there; a bound on time
 FIRST_LOAD_STEP, LAST_LOAD_STEP, MAX_LOAD_STEPS = 0.125, 1e-8, 250
 # a tendon this short, as a share of the beam's length, where the branch ends: it is what ended it
 SHORT_TENDON = 0.05

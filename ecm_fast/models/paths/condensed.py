@@ -35,7 +35,7 @@ from .general import StepCore, System, without_forces
 __all__ = ["Columns", "Condensation", "Guess", "columns", "solve_mechanisms", "solve_nodes"]
 
 Array = NDArray[np.float64]
-ORDERS = (3, 4, 5, 6)
+ORDERS = (3, 4, 5, 6)  # below, one element is too coarse; above, more elements are quicker
 Columns = tuple[Array, Array, Array, NDArray[np.int64], Array]
 """x, z, theta, status and a bound of the discretization error of many cases."""
 Guess = tuple[Array, float]

@@ -28,7 +28,7 @@ _FILES = {
     "/page.svg": ("page.svg", "image/svg+xml"),
     "/page.js": ("page.js", "text/javascript; charset=utf-8"),
 }
-_PORTS = 65535
+_PORTS = 65535  # the largest of TCP
 _SOCKET = "/socket"
 _HEADERS = {
     "Content-Security-Policy": "default-src 'self'; frame-ancestors 'none'",

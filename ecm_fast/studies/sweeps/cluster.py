@@ -9,8 +9,8 @@ from ...errors import InputError, shown
 
 __all__ = ["cluster"]
 
-_PATIENCE = 10.0
-_RETRIES = 10
+_PATIENCE = 10.0  # [s] for a scheduler to answer
+_RETRIES = 10  # of a chunk whose worker was lost
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from .spec import SweepSpec
 __all__ = ["cases"]
 
 Array = NDArray[np.float64]
-_BITS = 30
+_BITS = 30  # of a Sobol point: SciPy's own default, enough for 1e9 cases
 _LOCK = threading.Lock()
 
 

@@ -6,7 +6,7 @@ from ....data.measurements import Measurements
 
 __all__ = ["Finding", "places"]
 
-_SHOWN = 8
+_SHOWN = 8  # row numbers that fit one line
 
 
 @dataclass(frozen=True)

@@ -29,14 +29,14 @@ Mask = NDArray[np.bool_]
 
 CELLS = ("lam_l", "lam_r")
 _MOST = 1500  # rows that are looked at, evenly over the order of measurement
-_FEWEST_TIES, _FEWEST_OTHERS = 3, 8
+_FEWEST_TIES, _FEWEST_OTHERS = 3, 8  # equal readings that make a stuck cell, and rows that a model is fitted to
 _MORE_TIES = 2.0  # times as often as other readings repeat
 _FAR = 8.0  # scales of the residual from which on a row is not explained
 _CURED = 3.0  # factor by which another force must reduce the residual
 _LEAST = 0.06
 """Share of the largest force by which a reading must be off: more than any effect of twice its typical size asks."""
 _OTHERS_LESS = 3.0  # factor by which rows of similar loads and other readings must need less
-_NEIGHBORS = 3
+_NEIGHBORS = 3  # rows of the nearest loads: their median outvotes one bad row
 _MUCH = 0.2
 """Share of the other cell's largest force by which a column that holds one number must be off: a neck that is bent by
 itself by twice what is usual asks for a tenth."""
@@ -44,7 +44,7 @@ _SHARE = 0.25  # of the rows of a column that holds one number, which must ask f
 _CLIPPED = 0.8  # of the rows that ask for another force: so many for a larger one
 _STEPS, _LARGEST_STEP = 8, 60.0  # Newton steps for a force, and the largest [N]
 _USUAL_NOISE = np.array(CAMERA_SIGMA)  # the least that a residual is compared with
-_LAST_STEP = 1e-14
+_LAST_STEP = 1e-14  # squared, of Newton: far below the misfit of a broken cell
 
 
 class _Asked(NamedTuple):

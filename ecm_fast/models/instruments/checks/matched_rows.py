@@ -24,7 +24,7 @@ __all__ = [
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
 
-_MIRROR = (1, 0, 2, 3, 4, 5, 6)
+_MIRROR = (1, 0, 2, 3, 4, 5, 6)  # places of the loads of a mirrored row: left and right change places
 _MIRROR_SIGNS = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0, -1.0])
 _LEAST = np.array([1.0, 1.0, 1.0, 1.0, 0.05, 0.02, 0.003])
 """[N, N, N, N, N m, kg, rad] what differs by less is one load: force cells are noisy, also with the tendons off."""
@@ -32,9 +32,9 @@ _NEAR = 0.04
 """Loads this share of the largest one apart are compared, after the smooth fit has moved one to the other."""
 _EXACT = 0.005
 """The same where the rows are too few for a smooth fit, and of loads that are repeated."""
-_NEIGHBORS = 8
-_HIGHEST_DEGREE, _ROWS_EACH = 5, 4
-MOST_PAIRS = 2000
+_NEIGHBORS = 8  # of a row among which its partner is looked for: comparing all with all grows with the square
+_HIGHEST_DEGREE, _ROWS_EACH = 5, 4  # of the smooth fit, and rows for each of its coefficients
+MOST_PAIRS = 2000  # a bound on time: more pairs tell no more of a symmetry
 
 
 def load_table(data: Measurements) -> Array:

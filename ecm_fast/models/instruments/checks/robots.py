@@ -16,7 +16,7 @@ from .finding import Finding
 __all__ = ["robot_findings"]
 
 Array = NDArray[np.float64]
-_STEP_TOL2 = 1e-14
+_STEP_TOL2 = 1e-14  # squared last Newton step: far below what tells an axis's sign
 _MARGIN = 1.5
 """Times the body's length up to which a place or a length can be: silicone stretches, but not so far unseen."""
 _TOO_SMALL = 0.02
