@@ -22,7 +22,7 @@ _RESULT = {
     "noise": {"sigma": [(float, None)], "force": (float, None)},
     "transfer?": [{"rivals?": [{"name": str, "carries_over": bool}]}],
 }
-"""What is read of the result of a diagnosis, see `check_form`."""
+"""Form of the result of a diagnosis as far as it is read, see `check_form`."""
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:

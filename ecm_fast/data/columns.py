@@ -30,11 +30,11 @@ __all__ = [
 Units = Mapping[str, tuple[float, float]]
 
 LOADS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt")
-"""What is set for a row: tendon forces, dead wrench at Q, and what is changed on the test bed."""
+"""Loads of a row: tendon forces, dead wrench at Q, and what is changed on the test bed."""
 PAIR = ("l", "r")
 """Names of the two tendons of a neck."""
 CHANNELS = ("x", "z", "theta")
-"""What is read of a pose."""
+"""Channels of a pose."""
 CHANNEL_KEYS = ("x_m", "z_m", "theta_rad")
 """The same with their units, as files and JSON have them."""
 CAMERA_SIGMA = (1e-4, 1e-4, 1e-3)
@@ -80,7 +80,7 @@ class Column:
 
     @property
     def names(self) -> list[str]:
-        """What the column may be called in a file, SI first."""
+        """Names of the column in a file, SI first."""
         return [f"{self.name}_{unit}" for unit in self.units] or [self.name]
 
     @property
@@ -90,7 +90,7 @@ class Column:
 
     @property
     def allowed(self) -> str:
-        """What a cell may hold, in words."""
+        """Allowed content of a cell, in words."""
         bound = "" if self.lower == -math.inf else f" >= {self.lower:g}"
         return f"a finite number{bound}{', or a blank' if math.isnan(self.absent) else ''}"
 

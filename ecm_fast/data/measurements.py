@@ -24,7 +24,7 @@ _BAD_CELLS_SHOWN = 5  # enough to see a pattern on one line
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Measurements:
-    """What was measured, one entry a row; every array is (n,) and read-only.
+    """Measured loads and poses, one entry a row; every array is (n,) and read-only.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Measurements:
 
     @property
     def n(self) -> int:
-        """How many rows there are."""
+        """Number of rows."""
         return len(self.rows)
 
     def __len__(self) -> int:
@@ -112,7 +112,7 @@ class Measurements:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """What is read: x, z, theta of Q; then ``M1_x`` and so on of markers, ``len_front`` and so on of tendons."""
+        """Channels: x, z, theta of Q; then ``M1_x`` and so on of markers, ``len_front`` and so on of tendons."""
         return (*CHANNELS, *(name for name in self.named if not name.startswith(("lam_", "sigma_"))))
 
     def readings(self, channels: Sequence[str]) -> Floats:

@@ -30,7 +30,7 @@ _MOST_DAMPING = 1e12  # a step as small as this leaves no number changed
 
 @dataclass(frozen=True)
 class Loss:
-    """What a residual r adds to the sum, as SciPy names and defines it: scale^2 rho((r / scale)^2).
+    """Share of a residual r in the sum, as SciPy names and defines it: scale^2 rho((r / scale)^2).
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ LOSSES = ("linear", "huber", "soft_l1")
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Where the sum is smallest.
+    """Minimum of the sum.
 
     Attributes
     ----------

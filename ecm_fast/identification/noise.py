@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 DECLARED, REPLICATES, RESIDUAL = "declared", "replicates", "residual"
-"""Where a standard deviation comes from."""
+"""Sources of a standard deviation."""
 
 _SMALLEST_SIGMA = 1e-8  # [m, rad] what the default discretization is good for
 _ROUNDING = 1e-12  # of a variance that the forces make: below it the camera's share cannot be told from rounding
@@ -26,7 +26,7 @@ _MEDIAN_TO_SIGMA = 1.4826  # of Gaussian noise
 
 @dataclass(frozen=True, eq=False)
 class ReadingNoise:
-    """How far readings can be trusted.
+    """Noise of each reading of a fit.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ _PLACES = 8
 """Decimals beyond which a number is written with its power of ten."""
 _CLOSE = 1e-3  # of the root that a profile is searched for
 _WIDER = 1.3
-"""How much farther than its interval a profile's curve goes."""
+"""Reach of a profile's curve, in lengths of its interval."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """How much worse the fit gets when one parameter is held and the others adapt.
+    """Rise of the sum of squares when one parameter is held and the others adapt.
 
     Attributes
     ----------
@@ -167,12 +167,12 @@ class Identification:
 
     @property
     def rows(self) -> int:
-        """How many rows the fit counted."""
+        """Number of rows the fit counted."""
         return int(self.used.any(axis=1).sum())
 
     @property
     def counted(self) -> str:
-        """How many rows the fit counted, in words, and of how many where some are left out."""
+        """Number of rows the fit counted, in words, and of how many where some are left out."""
         return f"{self.rows} of {self.rows + len(self.left_out)} rows" if self.left_out else f"{self.rows} rows"
 
     @cached_property

@@ -136,7 +136,7 @@ class FitRows:
 
     @property
     def n(self) -> int:
-        """How many rows there are."""
+        """Number of rows."""
         return len(self.member)
 
     def joined(self, name: str) -> Array:

@@ -85,7 +85,7 @@ def next_break(par, at, length):
 
 @kernel
 def count_pieces(par, length):
-    """How many pieces the body has; 1 without segments, guided tendons and markers."""
+    """Number of pieces of the body; 1 without segments, guided tendons and markers."""
     pieces, at = 1, next_break(par, 0.0 * length, length)
     while at.real < length.real * (1.0 - SAME) and pieces < MOST_PIECES:
         pieces, at = pieces + 1, next_break(par, at, length)
@@ -110,13 +110,13 @@ def guide(row, s, length):
 
 @kernel
 def _end(row, name, start):
-    """What a size or stiffness is at the end of a segment."""
+    """Size or stiffness at the end of a segment."""
     return row[name + 1] if row[name + 1].real > 0.0 else start
 
 
 @kernel
 def _start(row, name, before):
-    """What a size or stiffness is at the start of a segment: what is given, or what the segment before ended with."""
+    """Size or stiffness at the start of a segment: what is given, or what the segment before ended with."""
     return row[name] if row[name].real > 0.0 else before
 
 

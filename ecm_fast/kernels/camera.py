@@ -12,7 +12,7 @@ STEP = 1e-100
 
 @kernel
 def _reading(par, x, z, theta):
-    """What is read of one pose, [V1] of `reference.camera`; real, or complex for the complex step."""
+    """Reading of one pose, [V1] of `reference.camera`; real, or complex for the complex step."""
     s, c = sincos(theta)
     lever_x, lever_z = par[P.effects_marker_lever_x], par[P.effects_marker_lever_z]
     x, z = x + lever_x * c + lever_z * s, z + lever_z * c - lever_x * s

@@ -69,7 +69,7 @@ def begin(past, rest):
 
 @kernel
 def unfaded(value, remembered, held, time):
-    """How far a memory that fades with `time` [s] is behind a value after it was held [s]."""
+    """Lag of a memory that fades with `time` [s] behind a value after it was held [s]."""
     return (value - remembered) * np.exp(-held / time)
 
 

@@ -41,7 +41,7 @@ def _points(mesh):
 
 @kernel
 def _covered(place, lower, upper, points):
-    """How much of what a Gauss point stands for lies between two ends, [C3] of `reference.section`.
+    """Share of a Gauss point's length that lies between two ends, [C3] of `reference.section`.
 
     By Legendre's polynomials P, half the sum of P_k(place) (P_k+1 - P_k-1) between the ends.
     place, lower, upper : in the element, from -1 to 1
@@ -203,7 +203,7 @@ def _sound(par, stations, tip):
 
 @kernel
 def _prepare_ends(par, tip):
-    """What holds and stops the head, and what gives way at both ends of the beam."""
+    """Springs and stops of the head, and compliances at both ends of the beam."""
     tip[at.T_SIDE] = par[P.effects_side_force]
     tip[at.T_SPRING_Z] = par[P.effects_lateral_spring]
     tip[at.T_SPRING_T] = par[P.effects_rotational_spring]

@@ -21,7 +21,7 @@ STEP = 1e-100  # of the complex step: no subtraction, so it may be as small as n
 
 MOST_LAWS, N_LAW = 10_000, 3  # a table of fixed size, so that its address stays; numbers of an entry, below
 LAWS = np.zeros(N_LAW * (1 + MOST_LAWS))
-"""How many entries there are; then, entry by entry: digest, address of the laws of the section and of the head, or 0.
+"""Number of entries; then, entry by entry: digest, address of the laws of the section and of the head, or 0.
 
 Numbers below 2^53 all of them. Entries are only added: what was prepared with older laws keeps them.
 """

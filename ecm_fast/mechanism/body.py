@@ -39,7 +39,7 @@ ROUTES = ("", "chord", "guided")
 
 N_POINTS = 4  # of the offset of a guide; the vector has room for as many
 MOST = {"segment": 4, "tendon": 8, "marker": 8}
-"""How many of each the parameter vector has room for."""
+"""Most of each that the parameter vector has room for."""
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
 _LENGTH, _PLACE, _STIFFNESS = (0.0, 1e6), (-1e3, 1e3), (0.0, 1e15)  # refuse overflow, and no mechanism
@@ -374,7 +374,7 @@ def _check_route(tendon: Tendon, length: float) -> None:
 
 
 class _Body:
-    """What each segment has, with what it takes over from the segments before."""
+    """Values of each segment, with those it takes over from the segments before."""
 
     def __init__(self, segments: Sequence[Segment]) -> None:
         self.segments = segments

@@ -48,12 +48,12 @@ _PLACE = {entry.key: place for place, entry in enumerate(PARAMETERS)}
 FIRST_SEGMENT, FIRST_TENDON, FIRST_MARKER = (
     _PLACE[key] for key in ("segment1.length", "tendon1.route", "marker1.place")
 )
-"""Where the parts of a body begin; their own numbers follow each other as in `body.SEGMENT` and its like."""
+"""First places of the parts of a body; their own numbers follow each other as in `body.SEGMENT` and its like."""
 
 N_BUILT_IN = len(PARAMETERS)
-"""How many entries there are without effects that a user adds."""
+"""Number of entries without effects that a user adds."""
 N_TAIL = 2
-"""How many numbers stand behind the values of the effects that a user adds, where there are any."""
+"""Numbers behind the values of the effects that a user adds, where there are any."""
 
 _SHORT: dict[str, list[str]] = {}
 for _entry in PARAMETERS:

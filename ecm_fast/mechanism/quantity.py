@@ -10,7 +10,7 @@ from ..errors import InputError, shown
 __all__ = ["Quantity", "Status"]
 
 Status = Literal["stated", "derived", "found", "assumed", "zero"]
-"""Where a default comes from: stated by the paper, derived from what it states, found elsewhere, assumed by us.
+"""Source of a default: stated by the paper, derived from what it states, found elsewhere, assumed by us.
 
 ``zero`` marks an effect's size (absent unless asked for)."""
 
@@ -50,7 +50,7 @@ class Quantity:
 
     @property
     def allowed(self) -> str:
-        """What a value may be, in words."""
+        """Allowed values, in words."""
         unit = "" if self.unit == "-" else f" {self.unit}"
         return f"a finite number from {self.lower:g} to {self.upper:g}{unit}"
 

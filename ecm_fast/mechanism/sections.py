@@ -58,7 +58,7 @@ class _Section:
 
 
 STIFFNESSES = ("EA", "GA", "EI")
-"""What material tests identify."""
+"""Stiffnesses that material tests identify."""
 
 _STIFFNESS = (1e-12, 1e15)  # [N, N m^2] bounds that refuse zero and overflow, and no mechanism
 _PLACE = (-1e3, 1e3)  # [m] bounds that refuse overflow, and no mechanism
@@ -186,4 +186,4 @@ PRESETS: dict[str, dict[str, Quantity]] = {
         )
     },
 }
-"""What each preset sets, and why; everything else is the default of its quantity."""
+"""Values of each preset, and why; everything else is the default of its quantity."""

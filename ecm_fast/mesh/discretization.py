@@ -67,7 +67,7 @@ class Discretization:
 
     @property
     def n_elements(self) -> int:
-        """How many elements there are."""
+        """Number of elements."""
         return len(self.shares)
 
     @cached_property
@@ -95,7 +95,7 @@ class Discretization:
 
     @cached_property
     def tables(self) -> Any:
-        """What the kernels need at the Gauss points, in the form that the family gives it."""
+        """Tables for the kernels at the Gauss points, in the form that the family gives them."""
         return FAMILIES[self.family].tables(self.order, self.gauss)
 
     @property
@@ -139,7 +139,7 @@ class Discretization:
 
     @cached_property
     def halves(self) -> NDArray[np.float64]:
-        """What an element of `halved` takes over from the Lagrange element that it is half of, (2, 2 p + 1, p + 1).
+        """Shares that an element of `halved` has of the Lagrange element that it is half of, (2, 2 p + 1, p + 1).
 
         For either half the element's shape functions at the nodes of the half, then the polynomials that are 1 at one
         Gauss point of the element, at the Gauss points of the half; these have a column less, the last is not used.

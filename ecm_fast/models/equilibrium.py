@@ -72,11 +72,11 @@ _AT_REST = (
     "no stable equilibrium even without tendon forces and wrench: at {factor:.6g} of its own weight (and of what else "
     "acts without them) the neck buckles or snaps; make it stiffer or lighter",
 )
-"""What is wrong before any load acts: before the weight does, and while it grows."""
+"""Failures before any load acts: before the weight does, and while it grows."""
 
 
 class Solution(Protocol):
-    """What a path of solving can tell of a solved case when asked."""
+    """Solved case that a path of solving can be asked about."""
 
     def nodes(self) -> Array:
         """Return all nodes, (3 n_nodes,)."""
@@ -303,7 +303,7 @@ class BatchResult:
 
     @property
     def accurate(self) -> NDArray[np.bool_]:
-        """Where the error is estimated to keep the accuracy that was asked for, (n,); everywhere where none was."""
+        """Whether the error is estimated to keep the accuracy that was asked for, (n,); everywhere where none was."""
         if self.accuracy is None:
             return np.ones(len(self), dtype=np.bool_)
         return np.less_equal(self.error, self.accuracy) | ~self.converged
@@ -315,16 +315,16 @@ class BatchResult:
 
     @property
     def converged(self) -> NDArray[np.bool_]:
-        """Where the pose is an equilibrium, stable or not, (n,)."""
+        """Whether the pose is an equilibrium, stable or not, (n,)."""
         return np.less_equal(self.status, Status.UNSTABLE)
 
     @property
     def stable(self) -> NDArray[np.bool_]:
-        """Where it is a stable one on the branch from the unloaded state, (n,)."""
+        """Whether it is a stable one on the branch from the unloaded state, (n,)."""
         return np.equal(self.status, Status.CONVERGED)
 
     def counts(self) -> dict[str, int]:
-        """How many cases ended with each status."""
+        """Number of cases by status."""
         if not self.status.any():  # seen much faster than counted
             return {status.name.lower(): len(self) if status is Status.CONVERGED else 0 for status in Status}
         numbers = np.bincount(self.status, minlength=len(Status)).tolist()

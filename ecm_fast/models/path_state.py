@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PathState:
-    """What a path of loads has left behind, for effects such as friction, memory and drift; see `Stepper.state`.
+    """State that a path of loads has left behind, for effects such as friction, memory and drift; see `Stepper.state`.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class PathState:
 assert len(PathState.__dataclass_fields__) == N_PAST
 
 PathChoice = Literal["ignore"] | PathState | None
-"""What a solve that knows no order of loads makes of effects of the path: None refuses them."""
+"""Treatment of effects of the path by a solve that knows no order of loads: None refuses them."""
 
 
 def check_order(effects: Sequence[str], path: object, what: str) -> None:

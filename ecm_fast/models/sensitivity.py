@@ -52,12 +52,12 @@ class Sensitivities:
 
     @property
     def converged(self) -> NDArray[np.bool_]:
-        """Where the pose is an equilibrium, stable or not, (n,)."""
+        """Whether the pose is an equilibrium, stable or not, (n,)."""
         return np.less_equal(self.status, Status.UNSTABLE)
 
     @property
     def stable(self) -> NDArray[np.bool_]:
-        """Where it is a stable one on the branch from the unloaded state, (n,)."""
+        """Whether it is a stable one on the branch from the unloaded state, (n,)."""
         return np.equal(self.status, Status.CONVERGED)
 
     def __len__(self) -> int:

@@ -163,7 +163,7 @@ class Stepper:
 
     @property
     def state(self) -> PathState:
-        """What the path so far has left behind.
+        """State that the path so far has left behind.
 
         Raises
         ------

@@ -58,7 +58,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Section:
-    """What stands under one heading: sentences first, then tables, then pictures."""
+    """Content under one heading: sentences first, then tables, then pictures."""
 
     heading: str
     sentences: tuple[str, ...] = ()

@@ -37,7 +37,7 @@ Priors = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Study:
-    """What there is to go by.
+    """Mechanism, measurements and what is known of them.
 
     Attributes
     ----------

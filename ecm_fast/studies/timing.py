@@ -32,7 +32,7 @@ _MOST_CALLS = 1 << 16  # calls in one repetition: a call of 10 ns then lasts 0.7
 
 @dataclass(frozen=True)
 class Timing:
-    """How long one way takes.
+    """Time that one way takes.
 
     Attributes
     ----------

@@ -37,7 +37,7 @@ _MANY = 2048  # from here on a batch starts from a polynomial
 
 @dataclass(frozen=True)
 class Warmup:
-    """What a warm-up did.
+    """Result of a warm-up.
 
     Attributes
     ----------

@@ -33,7 +33,7 @@ _SMALLEST_LOAD_STEP = 1.0 / 1024.0  # share of the load below which the branch h
 
 
 class Outcome(IntEnum):
-    """What became of a row."""
+    """Outcome of a row."""
 
     STABLE = 0
     UNSTABLE = 1

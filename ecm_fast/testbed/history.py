@@ -32,7 +32,7 @@ _PAST = (*(f"effects.{name}" for name in (*_AGES, *_RUBS)), "outside.guide_frict
 
 @dataclass(frozen=True, eq=False)
 class Past:
-    """What came before, one entry a row.
+    """History of the rows, one entry a row.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Past:
         return followed
 
     def gap(self, time: float) -> Array:
-        """How far theta is from what is remembered of it, (n,) [rad]; 1/e of a gap is left after `time` [s]."""
+        """Distance of theta from what is remembered of it, (n,) [rad]; 1/e of a gap is left after `time` [s]."""
         gaps = np.empty_like(self.theta)
         for rows in _histories(self.begins):
             remembered = 0.0

@@ -171,7 +171,7 @@ def _surroundings(p: Parameters, rows: Loads, pose: Array) -> Array:
 
 
 def _beyond(value: Array, threshold: float) -> Array:
-    """How far a value is above a threshold, 0 where it is not."""
+    """Excess of a value over a threshold, 0 where there is none."""
     return np.where(value.real > threshold, value - threshold, 0.0)
 
 
@@ -192,7 +192,7 @@ def _force_at(pose: Array, along: Array, across: Array, force: Array) -> Array:
 
 
 def _attachment(p: Parameters, side: float, lam: Array) -> tuple[Array, Array]:
-    """Where a tendon of the force `lam` is attached, along e_x^H and e_z^H from Q [m]; `side` 1 left, -1 right."""
+    """Attachment of a tendon of the force `lam`, along e_x^H and e_z^H from Q [m]; `side` 1 left, -1 right."""
     along = p["effects.attachment_height"] + outside.flexure(p, lam)
     arm = p["tendons.plate_half_width"] + p["effects.lever_arm"] + side * p["effects.lever_arm_asymmetry"] / 2.0
     across = side * arm

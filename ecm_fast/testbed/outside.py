@@ -87,7 +87,7 @@ def wall(p: Parameters, z: Array) -> Array:
 
 
 def memory(p: Parameters, gaps: tuple[Array, Array]) -> Array:
-    """What is added to theta - theta remembered [rad], from the gaps (n,) of both time constants."""
+    """Addition to theta - theta remembered [rad], from the gaps (n,) of both time constants."""
     return p["outside.two_time_memory"] * 0.5 * (gaps[0] + gaps[1])
 
 

@@ -25,6 +25,15 @@ def test_modules_are_described_by_noun_phrases(folder):
     assert {str(path.relative_to(ROOT)) for path in modules if first_word(path) in QUESTIONS} == set()
 
 
+@pytest.mark.parametrize("path", sorted((ROOT / "ecm_fast").rglob("*.py")), ids=lambda path: path.stem)
+def test_docstrings_name_what_they_describe(path):
+    """Truth: a project rule. What, How and Where ask a question that a search does not."""
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
+    nodes = [node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, documented)]
+    first = [(ast.get_docstring(node) or "-").split()[0] for node in nodes]
+    assert not {"What", "How", "Where"} & {*first}
+
+
 def tests_of(path: Path) -> list[ast.FunctionDef]:
     """Return the test functions of a file."""
     tree = ast.parse(path.read_text(encoding="utf-8"))

@@ -31,7 +31,7 @@ EXIT_CODES = "exit codes: 0 done, 1 unexpected, 2 bad input, 3 a solve did not c
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command found out.
+    """Outcome of a command.
 
     Attributes
     ----------

@@ -28,7 +28,7 @@ _TOGETHER = 0.95
 """Correlation from which on data see a combination of two parameters of an effect rather than each."""
 _ALARM = 3.0  # standard deviations: one alarm in 370 by chance
 _SHARE = (0.2, 0.45)
-"""Where the shear over the axial stiffness of an incompressible solid section lies, (5/6 or 1)/3 with some room."""
+"""Range of the shear over the axial stiffness of an incompressible solid section, (5/6 or 1)/3 with some room."""
 
 
 def mesh_caveats(unresolved: int) -> tuple[str, ...]:

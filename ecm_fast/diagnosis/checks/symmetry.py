@@ -76,7 +76,7 @@ class ParityTest:
 
 @dataclass(frozen=True)
 class Parity:
-    """What symmetry, order and repetition say before anything is fitted.
+    """Findings from symmetry, order and repetition before anything is fitted.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class Parity:
 
     @property
     def gaps(self) -> tuple[str, ...]:
-        """What the data lack for the tests that were not answered."""
+        """Data that the unanswered tests lack."""
         return tuple(f"{test.name}: {test.gap}" for test in self.tests.values() if test.p is None)
 
     @property

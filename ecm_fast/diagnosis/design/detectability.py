@@ -82,7 +82,7 @@ GROUPS = {
     "2 kg more on the head": ("mass",),
     "the test bed tilted to both sides": ("tilt", "tilt-back"),
 }
-"""What one can do next, by the add-ons of `pool.ADD_ONS`: the loads of one kind are measured once each."""
+"""Next experiments, by the add-ons of `pool.ADD_ONS`: the loads of one kind are measured once each."""
 
 MATERIAL_TESTS = "tests of the material, given as --prior for EA, GA and EI"
 """The same without a load: the scatter of such tests is taken to be what is typical of a stiffness."""

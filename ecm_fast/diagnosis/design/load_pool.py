@@ -26,7 +26,7 @@ ADD_ONS: Mapping[str, tuple[dict[str, float], float]] = {
     "tilt": ({"tilt": 0.5}, 3.0),
     "tilt-back": ({"tilt": -0.5}, 3.0),
 }
-"""What has to be mounted, what it changes, and the minutes that mounting takes once."""
+"""Parts to be mounted, what they change, and the minutes that mounting takes once."""
 _READING = 0.5
 """Minutes for one reading: change the load, hold it, read."""
 

@@ -142,7 +142,7 @@ class Linearization:
 
     @cached_property
     def nuisances(self) -> tuple[Array, Array, Array]:
-        """What calibration can do: columns (n, 3, p), and its priors' rows (q, p) with their residuals (q,)."""
+        """Effect of calibration: columns (n, 3, p), and its priors' rows (q, p) with their residuals (q,)."""
         problem, size = self.problem, len(self.problem.keys)
         columns = np.concatenate([self.by[:, :, :size], self.hidden], axis=2)
         now = [self.values.get(key, float(own)) for key, own in

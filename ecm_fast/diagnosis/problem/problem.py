@@ -31,13 +31,13 @@ _FEWEST = 3  # rows: three readings for each stiffness
 _NEAR_ZERO = 2.0  # standard deviations of a force cell within which its reading is that of a slack tendon
 _ZERO_SHIFT = 0.5  # the mean by which such a reading is off, in the same unit
 DRIFT = 0.25
-"""How far an instrument may drift from the first to the last row of a file and nobody know, as a share of its noise."""
+"""Drift of an instrument from the first to the last row of a file and nobody know, as a share of its noise."""
 _SHORT, _FEW = 20, 4  # rows from which on a file drifts, and how many files may do so each in its own way
 
 
 @dataclass(frozen=True, eq=False)
 class Weights:
-    """How readings count around one state.
+    """Weights of readings around one state.
 
     Attributes
     ----------

@@ -120,7 +120,7 @@ class LackOfFit:
 
 @dataclass(frozen=True)
 class Detectability:
-    """What the loads can show of one entry of the catalogue.
+    """Detectability of one entry of the catalogue under the given loads.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ class Detectability:
 
     @property
     def cure(self) -> str:
-        """What would show it, in words; empty where it does show."""
+        """Data that would show it, in words; empty where it does show."""
         if self.visible in ("named", "seen"):
             return ""
         columns = f"columns {', '.join(self.needs)}" if self.needs else ""
@@ -190,7 +190,7 @@ class Rms:
 
 @dataclass(frozen=True)
 class HoldoutMisfit:
-    """What is left between model and measurements in rows that no step of the diagnosis has seen.
+    """Misfit between model and measurements in rows that no step of the diagnosis has seen.
 
     Attributes
     ----------
@@ -254,7 +254,7 @@ class RowFindings:
 
 @dataclass(frozen=True)
 class Noise:
-    """What the verdict assumes about the noise.
+    """Noise that the verdict assumes.
 
     Attributes
     ----------
@@ -282,7 +282,7 @@ class Noise:
 
 @dataclass(frozen=True)
 class Where:
-    """Where the calibrated model disagrees.
+    """Loads and channels at which the calibrated model disagrees.
 
     Attributes
     ----------
@@ -302,7 +302,7 @@ class Where:
 
 @dataclass(frozen=True, eq=False)
 class Remainder:
-    """What no admissible model explains, as a smooth wrench at Q that no parameter could make.
+    """Misfit that no admissible model explains, as a smooth wrench at Q that no parameter could make.
 
     Attributes
     ----------

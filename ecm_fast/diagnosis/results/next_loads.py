@@ -48,7 +48,7 @@ class Suggestion:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class NextLoads:
-    """What to measure next.
+    """Loads to measure next.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class NextLoads:
 
     @property
     def minutes(self) -> float:
-        """What all of it takes."""
+        """Time that all of it takes."""
         return sum(entry.minutes for entry in self.suggestions)
 
     @property
@@ -100,7 +100,7 @@ class NextLoads:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What to know, in sentences: twins first."""
+        """Remarks, in sentences: twins first."""
         twins = [f"no load here tells {one} from {other} in this time" for one, other in self.twins]
         return (*twins, *self.notes)
 

@@ -15,7 +15,7 @@ __all__ = ["Plan"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plan:
-    """What a list of loads can show of the catalogue.
+    """Detectability of the catalogue under a list of loads.
 
     Attributes
     ----------

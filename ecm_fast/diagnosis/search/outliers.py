@@ -13,7 +13,7 @@ from .initial_values import largest_evidence
 __all__ = ["drop_single_row_alarms", "excess_noise"]
 
 _ALONE, _FAR_OUT = 3, 25.0
-"""How many rows an alarm may rest on and still be theirs, and what each one must take off the sum of squares."""
+"""Most rows that an alarm may rest on and still be theirs, and what each one must take off the sum of squares."""
 _SLIPS, _BY_CHANCE = 0.01, 1e-3
 """Share of rows whose readings slip, and the chance below which there are more than that."""
 _ASTRAY = 3.0 * np.log1p(10.0**2) - 2.0 * np.log(_SLIPS)

@@ -65,7 +65,7 @@ _AGAIN, _GAIN = 3, 0.5  # new starts at most, and the least chi2 that makes anot
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """What the search ends with.
+    """Result of the search.
 
     Attributes
     ----------

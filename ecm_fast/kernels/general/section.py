@@ -108,7 +108,7 @@ def _rod_law(station, prestrain, gamma_x, gamma_z, kappa):
 
 @kernel
 def _bending(station, u):
-    """What nonlinear bending laws add to the couple, and its derivative by u, [C4] of `reference.section`."""
+    """Share of nonlinear bending laws in the couple, and its derivative by u, [C4] of `reference.section`."""
     size = u if u.real > 0.0 else -u
     cubic, amplitude, one_sided = station[S_CUBIC], station[S_AMPLITUDE], station[S_ONE_SIDED]
     further = u * (cubic * u * u + amplitude * size + one_sided * u)
@@ -118,7 +118,7 @@ def _bending(station, u):
 
 @kernel
 def _axial(station, g):
-    """What other axial laws add to the axial force, and its derivative by g, [C5] of `reference.section`."""
+    """Share of other axial laws in the axial force, and its derivative by g, [C5] of `reference.section`."""
     third, inv = station[S_EA] / 3.0, 1.0 / g
     inv2 = inv * inv
     plain, plain_g = g - inv2, 1.0 + 2.0 * inv2 * inv

@@ -187,7 +187,7 @@ def tip_wrench(tip, loads, x, z, theta, wrench, K):
 
 @kernel
 def plate_turn(tip, loads, x, z, turned, K):
-    """How the head turns with the tip section: derivatives of its angle by x, z, theta of the section and by a couple.
+    """Turn of the head with the tip section: derivatives of its angle by x, z, theta of the section and by a couple.
 
     turned : the head's angle; K : (9,) work space
     """

@@ -16,7 +16,7 @@ __all__ = ["EFFECTS", "FULL_SCALE", "LARGEST_PUSH"]
 FULL_SCALE = 160.0
 """Force at which the nonlinearity of a cell is stated [N]."""
 LARGEST_PUSH = 10.0
-"""How far below zero the force of a tendon may come out [N]: ten times what is typical for the zero of a cell.
+"""Lowest force of a tendon below zero [N]: ten times what is typical for the zero of a cell.
 
 A reading near zero is uncertain by about as much; where more is missing, no reading and mechanism fit together.
 """

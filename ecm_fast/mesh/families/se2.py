@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 class Se2Tables(NamedTuple):
-    """What the kernel `kernels.se2` needs: the Gauss points' places in the element, (gauss,)."""
+    """Tables for the kernel `kernels.se2`: the Gauss points' places in the element, (gauss,)."""
 
     points: Array
 

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 class StrainTables(NamedTuple):
-    """What the kernel `kernels.strain` needs at the Gauss points.
+    """Tables for the kernel `kernels.strain` at the Gauss points.
 
     Attributes
     ----------

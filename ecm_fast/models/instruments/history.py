@@ -72,7 +72,7 @@ def is_on_path(par: Array) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """What the measurements alone say of the order of their rows, all (n,).
+    """Order of the rows as the measurements alone say it, all (n,).
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class Record:
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """What the law of a user's effect may look at; one entry a row, named as in `Measurements` and above.
+    """Quantities that the law of a user's effect may look at; one entry a row, named as in `Measurements` and above.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 CHANGES = {"tilt": "gravity_tilt", "extra_mass": "effects.head_mass"}
-"""What a row may change on the test bed, and the parameter to which it is added."""
+"""Changes of the test bed by a row, and the parameter to which it is added."""
 
 _CAMERA = [index(entry.key) for effect in CATALOGUE.values() if effect.enters == "camera" for entry in effect]
 _INHERITED = {PARAMETERS[place].key for place in (*TARGETS, PLACES.beam_length, PLACES.effects_beam_length)}
@@ -65,7 +65,7 @@ def row_parameters(par: Array, data: Measurements) -> Array | None:
 
 
 class MeasuringChain:
-    """What the instruments would read in every row of measurements, as a function of the parameter vector.
+    """Readings of the instruments in every row of measurements, as a function of the parameter vector.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class MeasuringChain:
 
     @property
     def n(self) -> int:
-        """How many rows are read."""
+        """Number of rows that are read."""
         return len(self._loads[0])
 
     def refine(self, par: Array, allowed: Array) -> Array:

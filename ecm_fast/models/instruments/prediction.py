@@ -83,12 +83,12 @@ class Prediction:
 
     @property
     def rows(self) -> int:
-        """How many rows have a converged prediction and at least one measured channel."""
+        """Number of rows with a converged prediction and at least one measured channel."""
         return int(np.isfinite(self.residual).any(axis=1).sum())
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many rows ended with each status."""
+        """Number of rows by status."""
         return {status.name.lower(): int(np.sum(self.status == status)) for status in Status}
 
     def columns(self) -> dict[str, Sequence[Any]]:

@@ -35,7 +35,7 @@ __all__ = ["RobotChain", "chain_of", "check_columns"]
 Array = NDArray[np.float64]
 _STEP_TOL2 = 1e-14  # squared last Newton step of the rows that a discretization is chosen by
 _FIXED = ("offset_x", "offset_z", "angle")
-"""How a marker is fixed to its section."""
+"""Numbers that fix a marker to its section."""
 # effects that act on readings or follow the order of rows, or turn the head against the tip section
 _LEFT_OUT = {"path", "camera", "force", "plate"}
 
@@ -66,7 +66,7 @@ def check_columns(mechanism: Mechanism, data: Measurements) -> None:
 
 
 class RobotChain:
-    """What the instruments read in every row, as a function of the parameter vector; see `MeasuringChain`.
+    """Readings of the instruments in every row, as a function of the parameter vector; see `MeasuringChain`.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ class RobotChain:
 
     @property
     def n(self) -> int:
-        """How many rows are read."""
+        """Number of rows that are read."""
         return len(self._lam)
 
     def rows(self, par: Array) -> Array:

@@ -82,7 +82,7 @@ class _Fitted:
 
     @property
     def coefficient_count(self) -> int:
-        """How many numbers the regression found."""
+        """Number of coefficients that the regression found."""
         energy = self.energy_coefficients
         return self.polynomial.coefficients.size if energy is None else energy.size - 1
 

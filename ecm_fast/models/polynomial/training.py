@@ -168,7 +168,7 @@ def tip_wrenches(
 
 @dataclass(frozen=True, eq=False)
 class WrenchErrors:
-    """How far predicted wrenches are off, component by component: the paper's Fig. 5.
+    """Errors of predicted wrenches, component by component: the paper's Fig. 5.
 
     Attributes
     ----------

@@ -24,7 +24,7 @@ def _turned(r: Any) -> Any:
 
 
 def _attached(p: Parameters, side: float) -> Any:
-    """Where a tendon is attached, along e_x^H and e_z^H, (2,)."""
+    """Attachment of a tendon, along e_x^H and e_z^H, (2,)."""
     half = p["tendons.plate_half_width"] + p["effects.lever_arm"] - side / 2.0 * p["effects.lever_arm_asymmetry"]
     return _lever((p["effects.attachment_height"], -side * half), p["effects.plate_misalignment"])
 
@@ -78,7 +78,7 @@ def _head(p: Parameters, theta: Any) -> tuple[Any, Any]:
 
 
 def _beyond(p: Parameters, theta: Any) -> list[tuple[Any, Any]]:
-    """How far the head has run into the stops that it touches [rad], and their stiffness [N m/rad]."""
+    """Depth of the head in the stops that it touches [rad], and their stiffness [N m/rad]."""
     both, one = p["effects.contact_stop.angle"], p["effects.contact_stop_one_sided.angle"]
     touched = []
     if abs(np.real(theta)) > np.real(both):

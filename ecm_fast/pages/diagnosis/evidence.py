@@ -128,7 +128,7 @@ def cosine_matrix(found: Plan) -> Picture:
 
 
 def parameter_profiles(story: Story, priors: Mapping[str, tuple[float, float]]) -> Picture:
-    """How well EA, GA and EI are known before and after, against material tests."""
+    """Uncertainty of EA, GA and EI before and after, against material tests."""
     names = [name for name in STIFFNESSES if name in story.found.calibration]
     columns: dict[str, list[Any]] = {"parameter": [], "when": [], "value": [], "rise": []}
     with canvas(7.2, 2.4) as figure:
@@ -214,7 +214,7 @@ def left_over(story: Story) -> Picture | None:
 
 
 def stiffness(story: Story) -> Picture:
-    """How far a force in every direction moves the tip, before and after."""
+    """Compliance of the tip in every direction, before and after."""
     turn = np.linspace(0.0, 2.0 * np.pi, 73)
     force = _FORCE * np.stack([np.cos(turn), np.sin(turn)])
     columns: dict[str, list[Any]] = {"lam_l_N": [], "lam_r_N": [], "when": [], "dx_m": [], "dz_m": []}
@@ -247,7 +247,7 @@ def stiffness(story: Story) -> Picture:
 
 
 def promise(found: NextLoads) -> Picture:
-    """What the next loads buy, and what each add-on could buy alone."""
+    """Gain of the next loads, and that of each add-on alone."""
     minutes = np.cumsum([0.0, *(entry.minutes for entry in found.suggestions)])
     sigma = np.array([found.worst_before, *(entry.promised_sigma for entry in found.suggestions)])
     with canvas(7.2, 2.6) as figure:

@@ -54,7 +54,7 @@ def _no_number(word: str) -> float:
 
 
 class Scene:
-    """What one page shows; every page, and every thread, has its own."""
+    """State of one page; every page, and every thread, has its own."""
 
     def __init__(self, mechanism: Mechanism, data: Measurements | None = None) -> None:
         mechanism.check_pair("the live page")

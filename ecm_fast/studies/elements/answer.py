@@ -42,7 +42,7 @@ def counts_needed(study: ElementStudy) -> dict[str, list[int | None]]:
 
 
 class _Found:
-    """What was measured, by kind, number of elements and mesh; None where it was not."""
+    """Measured candidates by kind, number of elements and mesh; None where one was not."""
 
     def __init__(self, study: ElementStudy) -> None:
         self._known = study.known.error

@@ -66,12 +66,12 @@ class Candidate:
 
     @property
     def elements(self) -> int:
-        """How many elements there are."""
+        """Number of elements."""
         return len(self.shares)
 
     @property
     def kind(self) -> str:
-        """What candidates share that differ in the mesh alone."""
+        """Name that candidates share which differ in the mesh alone."""
         points = "" if self.gauss == _points(self.order, self.family) else f", {self.gauss} Gauss points"
         words = {"lagrange": _ORDERS[self.order], "se2": "SE(2)", "strain": f"{_ORDERS[self.order - 1]}-strain"}
         return f"{words[self.family]}{points}"

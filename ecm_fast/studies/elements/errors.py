@@ -88,7 +88,7 @@ class LoadSet:
 
 @dataclass(frozen=True, eq=False)
 class Converged:
-    """What errors are measured against.
+    """Converged solutions that errors are measured against.
 
     Attributes
     ----------

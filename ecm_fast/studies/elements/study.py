@@ -35,7 +35,7 @@ _SHORT, _ROUNDS, _MOST_CASES = 2e-3, 7, 1000
 
 @dataclass(frozen=True, repr=False)
 class Measured:
-    """What one candidate costs and leaves; errors are the largest of x/L, z/L and theta.
+    """Cost and error of one candidate; errors are the largest of x/L, z/L and theta.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Measured:
 
     @property
     def sentence(self) -> str:
-        """What it is, leaves and costs: "one quartic element: 2e-7, 0.6 us"."""
+        """Kind, error and cost in words: "one quartic element: 2e-7, 0.6 us"."""
         return f"{self.candidate.name}: {short(self.error)}, {self.microseconds}"
 
     @property

@@ -48,7 +48,7 @@ SECTIONS = tuple(_PARTS)
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What was found.
+    """Findings of a reproduction.
 
     Attributes
     ----------

@@ -56,7 +56,7 @@ class PaperClaim:
 
 @dataclass(frozen=True)
 class Part:
-    """What one subject adds: claims, numbers in SI for ``results.json``, a section of the page."""
+    """Contribution of one subject: claims, numbers in SI for ``results.json``, a section of the page."""
 
     claims: tuple[PaperClaim, ...]
     numbers: Mapping[str, Any]

@@ -45,7 +45,7 @@ _LIKE, _UNLIKE = "as the model", "precurved"
 
 @dataclass(frozen=True)
 class Errors:
-    """What is left of the measurements.
+    """Misfit that is left of the measurements.
 
     Attributes
     ----------

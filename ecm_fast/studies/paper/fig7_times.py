@@ -163,7 +163,7 @@ def fig7(
 
 @dataclass(frozen=True, eq=False)
 class _Cases:
-    """What the models are given: tendon forces and poses, one by one, and the same in batches."""
+    """Inputs of the models: tendon forces and poses, one by one, and the same in batches."""
 
     lam: Array
     pose: Array

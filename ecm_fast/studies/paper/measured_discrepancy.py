@@ -26,7 +26,7 @@ _ROUGHLY = 0.2
 _WEIGHED = {"head_mass": 3e-4}
 """Hung masses are given to the gram: known to 0.3 g, one standard deviation; the neck's own tolerance is no guide."""
 _THERE = ("section", "clamp", "plate", "environment", "camera")
-"""Where an effect can enter: there are no tendons, no force cells, and no record of time."""
+"""Parts of the model that an effect can enter: there are no tendons, no force cells, and no record of time."""
 _RIVALS = 3  # explanations shown beside the best
 # [kg, rad] loads of the proposed experiment, within the reach of a bench
 _MASSES, _TILTS = (0.0, 0.1, 0.2, 0.3), (math.pi / 2, math.pi / 4, 0.0)

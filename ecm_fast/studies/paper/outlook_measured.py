@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 _MODEL, _MEASURED, _BOTH = "the model's poses", "measured poses", "both"
 _TENDONS, _BOX = "tendons", "box"
 NECKS = {"as the model": 0.0, "precurved": 0.2}
-"""What is measured: curvature at rest [1/m], of which the model knows nothing."""
+"""Measured quantity: curvature at rest [1/m], of which the model knows nothing."""
 _DEGREES = (3, 4, 5)  # the paper's cubic, and two degrees more
 _FORWARD_BOUND = 0.01  # share of the range: the bound that the claim states
 _NAMES = ("fx", "fz", "τ")

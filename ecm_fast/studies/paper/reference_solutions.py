@@ -18,7 +18,7 @@ __all__ = ["reference"]
 _DEFAULT, _FINEST, _PAPER = "default, one element of order 5", "one element of order 6", "paper, 20 linear elements"
 _DISCRETIZATIONS = {_DEFAULT: (1, 5), _FINEST: (1, 6), _PAPER: (20, 1)}
 _DEFAULT_BOUND = 1e-6
-"""What the default may leave, as a share of the beam's length and in rad."""
+"""Error that the default may leave, as a share of the beam's length and in rad."""
 _FIG_6 = (0.047, 0.026, 0.018)
 """Errors of the paper's model against its measurements in x, z, theta, as shares of the measured workspace."""
 _FIG_6_SHARE = 0.1  # a solver's error may be a tenth of the difference that the paper's Fig. 6 shows

@@ -17,7 +17,7 @@ from .spec import LOADS, OUTPUTS, Input, SweepSpec, column
 __all__ = ["FAILURES", "checksum", "encode", "failures", "label", "need_pyarrow"]
 
 FAILURES = 100
-"""How many failed cases a chunk lists with their inputs."""
+"""Most failed cases that a chunk lists with their inputs."""
 _KEY = b"ecm_fast"
 
 

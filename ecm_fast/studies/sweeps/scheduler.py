@@ -10,7 +10,7 @@ from ...errors import EcmError
 __all__ = ["TRIES", "run"]
 
 TRIES = 4
-"""How often a unit of work is tried before its error is passed on: a worker may be lost, or its machine."""
+"""Trials of a unit of work before its error is passed on: a worker may be lost, or its machine."""
 
 
 def run(

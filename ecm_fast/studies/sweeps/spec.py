@@ -166,7 +166,7 @@ class SweepSpec:
 
     @property
     def chunks(self) -> int:
-        """How many units of work there are."""
+        """Number of units of work."""
         return -(-self.cases // self.chunk)
 
     def rows(self, number: int) -> int:

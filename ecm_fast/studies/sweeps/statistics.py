@@ -19,7 +19,7 @@ from .spec import OUTPUTS, SweepSpec, column
 __all__ = ["LISTED", "Channel", "Tally", "pilot", "tally_of"]
 
 LISTED = 1000
-"""How many failed cases a sweep lists with their inputs."""
+"""Most failed cases that a sweep lists with their inputs."""
 # ranges of histograms are found from about this many cases, spread over the whole sweep
 _PILOT = 4096
 

@@ -18,7 +18,7 @@ __all__ = ["Made", "count_rows", "file_of", "make_rows", "write_rows"]
 
 @dataclass(frozen=True)
 class Made:
-    """What came of a chunk: counts by status, the checksum of its file, and that file where it is not written yet."""
+    """Result of a chunk: counts by status, the checksum of its file, and that file where it is not written yet."""
 
     statuses: dict[str, int]
     checksum: str

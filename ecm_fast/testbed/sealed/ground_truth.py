@@ -17,7 +17,7 @@ Sizes = Mapping[str, float]
 
 @dataclass(frozen=True)
 class Truth:
-    """What sealed measurements hide.
+    """Truth that sealed measurements hide.
 
     Attributes
     ----------

@@ -37,7 +37,7 @@ _SIZES = (0.5, 2.0)  # of what is typical
 
 @dataclass(frozen=True)
 class Conditions:
-    """How sealed measurements are taken.
+    """Conditions under which sealed measurements are taken.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ NOISES: Mapping[str, Callable[[Conditions], Conditions]] = {
     "geometry": lambda now: replace(now, geometry=True),
     "frame": lambda now: replace(now, frame=True),
 }
-"""What may be wrong with the readings, joined with ``+``; the camera has 0.1 mm, 0.1 mm and 1 mrad in all but ``none``.
+"""Faults of the readings, joined with ``+``; the camera has 0.1 mm, 0.1 mm and 1 mrad in all but ``none``.
 
 Force noise of 0.2 or 0.4 N, Student's t of 3 degrees of freedom, neighboring rows correlated by 0.3, 1 % outliers,
 drift below the noise, sigmas that are not said but ten loads applied five times, a build within its tolerances, a

@@ -48,7 +48,7 @@ _LAST_STEP = 1e-14  # squared, of Newton: far below the misfit of a broken cell
 
 
 class _Asked(NamedTuple):
-    """What the poses ask of one cell.
+    """Forces that the poses ask of one cell.
 
     force : (n,) [N]
     before, after : (n,) largest residual of a row in scales, with the force read and with that one

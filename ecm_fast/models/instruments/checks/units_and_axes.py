@@ -67,7 +67,7 @@ _WORDS = {"mm": "millimetres", "cm": "centimetres", "m": "metres", "um": "microm
 
 @dataclass(frozen=True)
 class Change:
-    """How columns are read otherwise than they are labelled.
+    """Reading of columns otherwise than they are labelled.
 
     Attributes
     ----------
