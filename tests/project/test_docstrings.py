@@ -25,13 +25,14 @@ def test_modules_are_described_by_noun_phrases(folder):
     assert {str(path.relative_to(ROOT)) for path in modules if first_word(path) in QUESTIONS} == set()
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "ecm_fast").rglob("*.py")), ids=lambda path: path.stem)
-def test_docstrings_name_what_they_describe(path):
+def test_docstrings_name_what_they_describe():
     """Truth: a project rule. What, How and Where ask a question that a search does not."""
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
-    nodes = [node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, documented)]
-    first = [(ast.get_docstring(node) or "-").split()[0] for node in nodes]
-    assert not {"What", "How", "Where"} & {*first}
+    for path in MODULES:
+        if path.is_relative_to(ROOT / "ecm_fast"):
+            nodes = [node for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, documented)]
+            first = {(ast.get_docstring(node) or "-").split()[0] for node in nodes}
+            assert not {"What", "How", "Where"} & first, path
 
 
 def tests_of(path: Path) -> list[ast.FunctionDef]:
