@@ -1,9 +1,9 @@
 """Mutants: a small change of the code each (cosmic-ray's operators), and whether a test notices it. By hand, not in CI.
 
     python3 tools/run.py python -m uv pip install cosmic-ray
-    COVERAGE_FILE=/tmp/lines python3 tools/run.py python -m coverage run --rcfile=bench/mutants.cfg \
+    COVERAGE_FILE=found.lines python3 tools/run.py python -m coverage run --rcfile=bench/mutants.cfg \
         -m pytest -m "not slow" tests/data tests/diagnosis tests/identification tests/models
-    python3 tools/run.py python bench/mutants.py found.jsonl /tmp/lines kernels models diagnosis data
+    python3 tools/run.py python bench/mutants.py found.jsonl found.lines kernels models diagnosis data
 
 The sample is seeded, and drawn anew from the code that there is. Each mutant is made in a copy of the tree. A mutant of
 Python code meets the tests that run its line, those that run least beside it first; one of a kernel meets the tests of

@@ -118,7 +118,7 @@ wide: Any = _wide  # what it is called with in a kernel is not what it is define
 @intrinsic
 def _pointer_at(typing_context: Any, address: Any) -> Any:
     """Turn an address into a pointer to numbers."""
-    pointer: Any = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
+    pointer: Any = types.CPointer(types.float64)  # type: ignore[no-untyped-call]  # numba is untyped
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.inttoptr(arguments[0], context.get_value_type(pointer))
@@ -127,7 +127,7 @@ def _pointer_at(typing_context: Any, address: Any) -> Any:
 
 
 _pointer: Any = _pointer_at
-_carray: Any = numba.carray  # type: ignore[attr-defined]
+_carray: Any = numba.carray  # type: ignore[attr-defined]  # numba is untyped
 
 
 @register_jitable

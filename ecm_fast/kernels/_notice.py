@@ -17,7 +17,7 @@ _PATIENCE = 2.0  # seconds of compiling, all kernels together, that nobody needs
 _TEXT = "ecm_fast: compiling kernels, once, which can take a minute or two; 'ecm-fast warmup' does this ahead"
 
 
-class CompileNotice(_events.Listener):  # type: ignore[misc]
+class CompileNotice(_events.Listener):  # type: ignore[misc]  # numba is untyped
     """Listener to numba's compiler that speaks once a process; the kernels of other packages do not count.
 
     Attributes

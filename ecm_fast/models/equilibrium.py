@@ -174,14 +174,10 @@ class Equilibrium:
     @property
     def dpose_dlength(self) -> Array:
         """Derivative of the pose by the given lengths, (3, m)."""
-        state, m = self._tendons, len(self.mechanism.tendon_names)
+        m = len(self.mechanism.tendon_names)
         given = np.isfinite(np.full(m, np.nan) if self.lengths_given is None else self.lengths_given)
-        out = np.where(given, 0.0, np.full((3, m), np.nan))
-        taut = np.flatnonzero(given & (state.forces > 0.0))
-        soft = [self.mechanism.named_tendons[i].compliance for i in taut]
-        by_force = state.dlength_dlam[np.ix_(taut, taut)] - np.diag(soft)
-        out[:, taut] = np.linalg.solve(by_force.T, state.jacobian[:, taut].T).T if taut.size else out[:, taut]
-        return out
+        soft = np.array([tendon.compliance for tendon in self.mechanism.named_tendons])
+        return np.where(given, self._tendons.jacobian_by_length(np.flatnonzero(given), soft), np.nan)
 
     @cached_property
     def markers(self) -> dict[str, Array]:

@@ -33,6 +33,20 @@ class TendonState:
     dlength_dq: Array
     compliance: Array
 
+    def jacobian_by_length(self, held: NDArray[np.int64], soft: Array) -> Array:
+        """Return the derivative of the pose with some tendons held at their length, (3, m): of these by the length.
+
+        held : their numbers; soft : (m,) compliances [m/N]. Slack tendons have 0
+        """
+        m, by = self.forces.size, self.jacobian.copy()
+        by[:, held] = 0.0
+        taut, rest = held[self.forces[held] > 0.0], np.setdiff1d(np.arange(m), held)
+        if taut.size:
+            change = self.dlength_dlam[np.ix_(taut, taut)] - np.diag(soft[taut])
+            by[:, taut] = np.linalg.solve(change.T, self.jacobian[:, taut].T).T
+            by[:, rest] -= by[:, taut] @ self.dlength_dlam[np.ix_(taut, rest)]
+        return by
+
 
 def unknown_state(m: int) -> TendonState:
     """Return the state of tendons where there is no equilibrium: nan."""

@@ -221,9 +221,9 @@ def _compile(enters: str) -> None:
         lines.append("    found[0], found[1], found[2] = found[0] + a, found[1] + b, found[2] + c")
     options: Any = {"error_model": "numpy"}
     names: dict[str, Any] = {f"law{i}": numba.njit(**options)(law) for i, law in enumerate(laws.values())}
-    names["carray"] = numba.carray  # type: ignore[attr-defined]
+    names["carray"] = numba.carray  # type: ignore[attr-defined]  # numba is untyped
     exec("\n".join(lines), names)
-    numbers: Any = numba.types.CPointer(numba.types.complex128)  # type: ignore[no-untyped-call]
+    numbers: Any = numba.types.CPointer(numba.types.complex128)  # type: ignore[no-untyped-call]  # numba is untyped
     function: Any = numba.cfunc(numba.types.void(numbers, numbers))(names["added"])
     _ALIVE.append(function)
     _ADDRESSES[enters] = function.address

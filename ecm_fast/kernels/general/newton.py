@@ -5,7 +5,7 @@ walk through stable states. Otherwise the load grows from zero in steps that the
 step must end in a stable equilibrium near the one before. What acts without tendon forces and wrench comes first: what
 strains the beam, then the weight. Only then do tendon forces and wrench grow, together.
 
-Where tendons are guided along the body, a load step begins with its first order, from the tangent at the loads before.
+With tendons guided along the body, a load step begins with its first order, from the tangent at the loads before.
 Such a tendon presses on a body that does not press back yet: the tangent at the new loads is that of a column that
 buckles, and Newton from there took seven times as many steps.
 """

@@ -152,4 +152,4 @@ def graded(elements: int, place: float, growth: float = 1.3) -> tuple[float, ...
 
 def _growing(count: int, length: float, growth: float) -> Sequence[float]:
     lengths = growth ** np.arange(count)
-    return (length * lengths / lengths.sum() if count else lengths).tolist()  # type: ignore[no-any-return]
+    return (length * lengths / lengths.sum() if count else lengths).tolist()  # type: ignore[no-any-return]  # a list

@@ -30,7 +30,7 @@ def run(
     in_flight : how many units may be submitted and not taken
     """
     make = None if isinstance(executor, Executor) else executor
-    pool: Executor = executor if make is None else make()  # type: ignore[assignment]
+    pool: Executor = executor if make is None else make()  # type: ignore[assignment]  # no executor: a function
     todo, running, restarts = deque(numbers), dict[Future[Any], int](), 0
     tried = Counter[int]()
     try:

@@ -55,7 +55,7 @@ class Conditions:
 
 
 def _read(**errors: object) -> Callable[[Conditions], Conditions]:
-    return lambda now: replace(now, sensors=replace(now.sensors, **errors))  # type: ignore[arg-type]
+    return lambda now: replace(now, sensors=replace(now.sensors, **errors))  # type: ignore[arg-type]  # fields
 
 
 NOISES: Mapping[str, Callable[[Conditions], Conditions]] = {
