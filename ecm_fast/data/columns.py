@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, did_you_mean
+from .units import ANGLE, COUPLE, FORCE, LENGTH, MASS, TEXT, TIME, Units, kind_of
 
 __all__ = [
     "CAMERA_SIGMA",
@@ -27,8 +28,6 @@ __all__ = [
     "usual_sigma",
 ]
 
-Units = Mapping[str, tuple[float, float]]
-
 LOADS = ("lam_l", "lam_r", "fx", "fz", "tau", "extra_mass", "tilt")
 """Loads of a row: tendon forces, dead wrench at Q, and what is changed on the test bed."""
 PAIR = ("l", "r")
@@ -39,15 +38,6 @@ CHANNEL_KEYS = ("x_m", "z_m", "theta_rad")
 """The same with their units, as files and JSON have them."""
 CAMERA_SIGMA = (1e-4, 1e-4, 1e-3)
 """[m, m, rad] noise of a camera of which nothing is known; of a length as of a place."""
-
-# SI value = value * times / per. Two factors, because 109 / 1000 is the double nearest 0.109 and 109 * 0.001 is not.
-LENGTH: Units = {"m": (1, 1), "cm": (1, 100), "mm": (1, 1000), "um": (1, 1_000_000)}
-ANGLE: Units = {"rad": (1, 1), "mrad": (1, 1000), "deg": (math.pi, 180)}
-FORCE: Units = {"N": (1, 1), "kN": (1000, 1), "mN": (1, 1000)}
-COUPLE: Units = {"Nm": (1, 1), "Nmm": (1, 1000), "kNm": (1000, 1), "mNm": (1, 1000)}
-TIME: Units = {"s": (1, 1), "ms": (1, 1000), "min": (60, 1), "h": (3600, 1)}
-MASS: Units = {"kg": (1, 1), "g": (1, 1000)}
-TEXT: Units = {}
 
 _BLANKS = " \t"
 _LONGEST_LABEL = 100  # labels live in one fixed-width array: a single huge one would cost its length in every row
@@ -289,7 +279,13 @@ def _named(name: str) -> tuple[Column, str] | None:
 
 def foreign(name: str) -> str:
     """Return a hint for a column of a tendon or marker that the mechanism has not."""
-    every = [allowed for column in COLUMNS.values() for allowed in column.names]
+    kind = kind_of(name.rpartition("_")[2])  # a length is no misspelled force
+    every = [
+        f"{column.name}_{unit}" if unit else column.name
+        for column in COLUMNS.values()
+        for unit in column.units or ("",)
+        if not kind or kind_of(unit) == kind
+    ]
     meant = next((allowed for allowed in every if allowed.lower() == name.lower()), name[:60])
     return _tendon(name) or _alike(name) or did_you_mean(meant, every)
 

@@ -67,6 +67,12 @@ def test_a_file_in_millimeters_and_degrees(read: Any, tmp_path: Path) -> None:
     [
         ("lam_l_kN", "0.16", 160.0),
         ("lam_l_mN", "2500", 2.5),
+        ("lam_l_kgf", "2", 19.6133),  # 9.80665 N: the standard acceleration of free fall
+        ("lam_l_gf", "100", 0.980665),
+        ("lam_l_lbf", "10", 44.482216152605),
+        ("x_in", "0.5", 0.0127),  # 25.4 mm
+        ("tau_Ncm", "250", 2.5),
+        ("tau_kgfcm", "10", 0.980665),
         ("fx_N", "-3", -3.0),
         ("fx_N", "-1e6", -1e6),  # the largest size that is allowed
         ("fz_kN", "1e-3", 1.0),
@@ -174,11 +180,12 @@ def test_repr(read: Any, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("header", "text"),
     [
-        ("x", "column 'x': the unit is missing; allowed are x_m, x_cm, x_mm, x_um, or start its name with note_ to "
-              "have it ignored"),
-        ("x_inch", "column 'x_inch': 'inch' is not a unit of x; allowed are x_m, x_cm, x_mm, x_um, or start"),
-        ("lam_l_lbf", "column 'lam_l_lbf': 'lbf' is not a unit of lam_l; allowed are lam_l_N, lam_l_kN, lam_l_mN, or"),
-        ("sigma_x_deg", "'deg' is not a unit of sigma_x; allowed are sigma_x_m, sigma_x_cm, sigma_x_mm, sigma_x_um"),
+        ("x", "column 'x': the unit is missing; allowed are x_m, x_cm, x_mm, x_um, x_in, or start its name with "
+              "note_ to have it ignored"),
+        ("x_foot", "column 'x_foot': 'foot' is not a unit of x; allowed are x_m, x_cm, x_mm, x_um, x_in, or start"),
+        ("lam_l_dyn", "column 'lam_l_dyn': 'dyn' is not a unit of lam_l; allowed are lam_l_N, lam_l_kN, lam_l_mN,"),
+        ("x_m,delta_l_mm", "unknown column 'delta_l_mm' (known are"),
+        ("sigma_x_deg", "'deg' is not a unit of sigma_x; allowed are sigma_x_m, sigma_x_cm, sigma_x_mm, sigma_x_um,"),
         ("left_N", "unknown column 'left_N' (did you mean 'lam_l_N'?); start its name"),
         ("tendon_right", "unknown column 'tendon_right' (did you mean 'lam_r_N'?); start its name"),
         ("X_mm", "unknown column 'X_mm' (did you mean 'x_mm'?); start its name"),
@@ -385,8 +392,8 @@ def test_noise_is_declared_where_it_is_not() -> None:
 @pytest.mark.parametrize(
     ("noise", "text"),
     [
-        ({"fz_N": 1.0}, "noise of fz_N: allowed are x_m, x_cm, x_mm, x_um, z_m"),
-        ({"x": 1.0}, "noise of x: allowed are x_m, x_cm, x_mm, x_um, z_m"),
+        ({"fz_N": 1.0}, "noise of fz_N: allowed are x_m, x_cm, x_mm, x_um, x_in, z_m"),
+        ({"x": 1.0}, "noise of x: allowed are x_m, x_cm, x_mm, x_um, x_in, z_m"),
         ({"x_mm": 0.0}, "noise of x_mm = 0.0: allowed is a number > 0"),
     ],
 )

@@ -77,7 +77,7 @@ def test_effects_of_twice_their_typical_size_are_no_wrong_label(hidden) -> None:
         ({"x_m": ("x", 1e3, 0.0), "theta_rad": ("theta", 180 / np.pi, 0.0)}, "label it x_mm.*label it theta_deg"),
         ({"theta_rad": ("theta", 180 / np.pi, 0.0)}, "theta_rad: .* degrees; label it theta_deg"),
         ({"theta_deg": ("theta", 1.0, 0.0)}, "theta_deg: .* radians; label it theta_rad"),
-        ({"lam_l_N": ("lam_l", 1 / 9.81, 0.0), "lam_r_N": ("lam_r", 1 / 9.81, 0.0)}, "hold kgf; multiply them by 9.80"),
+        ({"lam_l_N": ("lam_l", 1 / 9.81, 0.0), "lam_r_N": ("lam_r", 1 / 9.81, 0.0)}, "hold kgf; label them lam_l_kgf"),
         ({"lam_l_N": ("lam_l", 1e-3, 0.0), "lam_r_N": ("lam_r", 1e-3, 0.0)}, "hold kN; label them lam_l_kN"),
         ({"lam_l_N": ("lam_r", 1.0, 0.0)}, "lam_l_N"),
         ({"z_m": ("z", -1.0, 0.0)}, "z_m: its sign is the opposite"),
@@ -196,7 +196,7 @@ def test_forces_in_another_unit_are_blamed_on_the_forces(plain, unit, newtons) -
     certain = [finding for finding in faults(NECK, forces(plain, 1.0 / newtons)) if finding.certain]
     assert [finding.kind for finding in certain] == ["unit"]
     assert f"lam_l_N, lam_r_N: the neck bends as under {newtons:.4g} times" in certain[0].sentence
-    assert certain[0].cure == f"the columns hold {unit}; multiply them by {newtons:.6g}"
+    assert certain[0].cure == f"the columns hold {unit}; label them lam_l_{unit} and lam_r_{unit}"
 
 
 @pytest.mark.parametrize(
@@ -232,7 +232,7 @@ def test_side_forces_in_another_unit_or_sign_are_named() -> None:
     """Known truth: one column was changed by hand, by a sign and by 9.80665 N/kgf."""
     both = in_sequence(tendon_test(60, seed=1), shear_test(np.linspace(-60.0, 60.0, 30)))
     data = measure(NECK, both, Sensors(), 1)
-    for factor, said in ((-1.0, "turn the sign of fz_N"), (1.0 / 9.80665, "holds kgf; multiply it by 9.80665")):
+    for factor, said in ((-1.0, "turn the sign of fz_N"), (1.0 / 9.80665, "holds kgf; label it fz_kgf")):
         (finding,) = [entry for entry in faults(NECK, columns(data, fz_N=("fz", factor, 0.0))) if entry.certain]
         assert said in finding.cure
 

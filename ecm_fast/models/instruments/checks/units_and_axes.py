@@ -59,10 +59,8 @@ _UNITS: Mapping[str, tuple[float, ...]] = {
 """Factors by which columns of a kind are taken for something else: of millimetres, degrees, kilograms-force, ..."""
 _KIND = {"x": "length", "z": "length", "theta": "angle", "lam_l": "force", "lam_r": "force", "fx": "force",
          "fz": "force", "tau": "couple", "extra_mass": "mass", "tilt": "angle"}  # fmt: skip
-_FURTHER_UNITS = {"kgf": 9.80665, "lbf": 4.4482216152605, "gf": 9.80665e-3}
-"""Units of force that a column cannot have [N]."""
 _WORDS = {"mm": "millimetres", "cm": "centimetres", "m": "metres", "um": "micrometres", "deg": "degrees",
-          "rad": "radians", "mrad": "milliradians"}  # fmt: skip
+          "in": "inches", "rad": "radians", "mrad": "milliradians"}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -301,10 +299,9 @@ class _Words:
         si = next(iter(units))
         sentence = f"{', '.join(columns)}: the neck bends as under {change.factor:.4g} times these readings, up to "
         sentence += f"{change.factor * largest:.3g} {si} instead of {largest:.3g} {si}"
-        word = held or next((w for w, v in _FURTHER_UNITS.items() if math.isclose(v, true, rel_tol=1e-4)), "")
         many = "the columns hold" if columns[1:] else "the column holds"
         times = f"multiply {'them' if columns[1:] else 'it'} by {change.factor:.6g}"
-        cure = f"{many} {word}; {label if held else times}" if word else times
+        cure = f"{many} {held}; {label}" if held else times
         return Finding("unit", (), sentence, cure, True)
 
     def _pose_off(self, name: str, column: str, unit: str) -> str:
