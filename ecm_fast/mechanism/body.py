@@ -1,4 +1,4 @@
-"""Bodies of segments, named tendons and markers: every number with its unit and bounds.
+"""Parts of a robot: segments, named tendons and markers, every number with its unit and bounds.
 
 A mechanism with any of these is a planar tendon robot: its segments stand for the beam, its named tendons for the pair
 of `sections.Tendons`. Their numbers have fixed places in the parameter vector, `segment1.length` to `marker8.angle`;
@@ -6,12 +6,12 @@ of `sections.Tendons`. Their numbers have fixed places in the parameter vector, 
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 from typing import Any, ClassVar
 
-from ..errors import InputError, did_you_mean, key_shown, shown
+from ..errors import InputError, did_you_mean, shown
 from .quantity import Quantity
 
 __all__ = [
@@ -19,18 +19,20 @@ __all__ = [
     "MARKER",
     "MOST",
     "N_POINTS",
+    "PAIRS",
     "ROUTES",
     "SEGMENT",
     "SHAPES",
     "SLOTS",
+    "STIFFNESSES",
     "TENDON",
     "Marker",
     "Segment",
     "Tendon",
     "check_body",
-    "from_tables",
+    "check_choice",
+    "number_fields",
     "slot_quantities",
-    "tables",
 ]
 
 SHAPES = ("", "circle", "ring", "rectangle", "ellipse")
@@ -45,8 +47,10 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
 _LENGTH, _PLACE, _STIFFNESS = (0.0, 1e6), (-1e3, 1e3), (0.0, 1e15)  # refuse overflow, and no mechanism
 _SIZES = {"circle": ("radius",), "ring": ("radius", "inner_radius"), "rectangle": ("width", "height"),
           "ellipse": ("width", "height")}  # fmt: skip
-_STATED = ("EA", "GA", "EI", "mass_per_length")
-_PAIRS = ("radius", "inner_radius", "width", "height", *_STATED)
+STIFFNESSES = ("EA", "GA", "EI", "mass_per_length")
+"""What a segment is given by in place of a shape of a material."""
+PAIRS = ("radius", "inner_radius", "width", "height", *STIFFNESSES)
+"""Numbers that a segment has at its start and at its end."""
 
 
 def _number(unit: str, meaning: str, bounds: tuple[float, float], typical: float) -> Any:
@@ -71,12 +75,13 @@ class _Slot:
                 continue
             value, entry = getattr(self, item.name), replace(item.metadata["quantity"], key=f"{self.kind}.{item.name}")
             if "names" in item.metadata:
-                _check_choice(entry.key, value, item.metadata["names"])
+                check_choice(entry.key, value, item.metadata["names"])
             else:
                 object.__setattr__(self, item.name, entry.check(value))
 
 
-def _check_choice(key: str, value: object, names: tuple[str, ...]) -> None:
+def check_choice(key: str, value: object, names: tuple[str, ...]) -> None:
+    """Refuse what is none of these names."""
     if not isinstance(value, str) or value not in names:
         allowed = [name for name in names if name]
         hint = did_you_mean(value, allowed) if isinstance(value, str) else ""
@@ -119,12 +124,12 @@ class Segment(_Slot):
     @property
     def stated(self) -> bool:
         """Whether stiffnesses are given, not a shape."""
-        return any(getattr(self, f"{name}_start") for name in _STATED)
+        return any(getattr(self, f"{name}_start") for name in STIFFNESSES)
 
     @property
     def shaped(self) -> bool:
         """Whether anything of a shape is given."""
-        sizes = any(getattr(self, f"{name}_start") for name in _PAIRS[:4])
+        sizes = any(getattr(self, f"{name}_start") for name in PAIRS[:4])
         return bool(self.shape or self.E or self.nu or self.density or self.shear_factor or sizes)
 
 
@@ -179,14 +184,15 @@ SLOTS: dict[str, tuple[str, int]] = {f"{kind}{i + 1}": (kind, i) for kind, most 
 """The parts by their name in the parameter vector: what kind, and which of it."""
 
 
-def _numbers(kind: str) -> list[Any]:
+def number_fields(kind: str) -> list[Any]:
+    """Return the fields of a kind of part that are entries of the parameter vector: all but its name."""
     return [item for item in fields(KINDS[kind]) if item.name != "name"]
 
 
 def slot_quantities() -> Iterator[Quantity]:
     """Yield the entries of the parameter vector for every part, in order."""
     for slot, (kind, _) in SLOTS.items():
-        for item in _numbers(kind):
+        for item in number_fields(kind):
             yield replace(item.metadata["quantity"], key=f"{slot}.{item.name}")
 
 
@@ -194,7 +200,7 @@ class _Places:
     """Places of the numbers of a part, counted from its first; constants for kernels."""
 
     def __init__(self, kind: str) -> None:
-        names = [item.name for item in _numbers(kind)]
+        names = [item.name for item in number_fields(kind)]
         self.size = len(names)
         self.at = {name: i for i, name in enumerate(names)}
 
@@ -203,130 +209,6 @@ class _Places:
 
 
 SEGMENT, TENDON, MARKER = _Places("segment"), _Places("tendon"), _Places("marker")
-
-
-def from_tables(kind: str, given: object) -> tuple[Any, ...]:
-    """Return the parts that the tables ``[[kind]]`` of a mechanism file describe.
-
-    Raises
-    ------
-    InputError : names the table, the key, the value and what is allowed.
-    """
-    if not isinstance(given, list) or not all(isinstance(table, dict) for table in given):
-        raise InputError(f"{kind} = {shown(given)}: allowed are tables, each written [[{kind}]]")
-    if len(given) > MOST[kind]:
-        raise InputError(f"{len(given)} tables [[{kind}]]: allowed are {MOST[kind]}")
-    parts = []
-    for i, table in enumerate(given):
-        try:
-            parts.append(_READERS[kind](table))
-        except InputError as error:
-            raise InputError(f"[[{kind}]] {i + 1}: {error}") from None
-    return tuple(parts)
-
-
-def _unknown(table: Mapping[str, Any], allowed: Iterable[str]) -> None:
-    names = list(allowed)
-    for key in table:
-        if key not in names:
-            raise InputError(f"unknown key {key_shown(key)}{did_you_mean(key, names)}; allowed are {', '.join(names)}")
-
-
-def _list(key: str, value: object, n: int) -> list[Any]:
-    if not isinstance(value, list) or len(value) != n:
-        raise InputError(f"{key} = {shown(value)}: allowed is a list of {n} numbers")
-    return value
-
-
-def _segment(table: Mapping[str, Any]) -> Segment:
-    single = [item.name for item in _numbers("segment") if not item.name.endswith(("_start", "_end"))]
-    _unknown(table, [*single, *_PAIRS])
-    values = {key: value for key, value in table.items() if key in single}
-    for key in _PAIRS:
-        if key in table:
-            pair = table[key] if isinstance(table[key], list) else [table[key]] * 2
-            values[f"{key}_start"], values[f"{key}_end"] = _list(key, pair, 2)
-            for value in pair:
-                if not isinstance(value, bool) and isinstance(value, (int, float)) and value <= 0 and key != _STATED[3]:
-                    raise InputError(f"{key} = {shown(value)}: allowed is a number above 0")
-    return Segment(**values)
-
-
-def _tendon(table: Mapping[str, Any]) -> Tendon:
-    keys = {"": (), "chord": ("plate", "pulley", "pulley_radius"), "guided": ("offset", "ends_at")}
-    route = table.get("route", "")
-    _check_choice("route", route, ROUTES)
-    if not route:
-        raise InputError("route is missing: allowed is 'chord' or 'guided'")
-    common = ("compliance", "gain", "zero", *(("shift",) if route == "guided" else ()))
-    _unknown(table, ["name", "route", *keys[route], *common])
-    values = {key: value for key, value in table.items() if key not in ("plate", "pulley", "offset")}
-    if route == "chord":
-        for key in ("plate", "pulley"):
-            if key not in table:
-                raise InputError(f"{key} is missing: a chord runs from plate = [x, z] to pulley = [x, z]")
-            values[f"{key}_x"], values[f"{key}_z"] = _list(key, table[key], 2)
-    else:
-        if "offset" not in table:
-            raise InputError("offset is missing: a number, or a list of [place along the body, offset z]")
-        offset = table["offset"] if isinstance(table["offset"], list) else [[0.0, table["offset"]]]
-        if not 1 <= len(offset) <= N_POINTS:
-            raise InputError(f"offset has {len(offset)} points: allowed are 1 to {N_POINTS}")
-        values["points"] = float(len(offset))
-        for i, point in enumerate(offset, 1):
-            values[f"place_{i}"], values[f"offset_{i}"] = _list("offset", point, 2)
-    return Tendon(**values)
-
-
-def _marker(table: Mapping[str, Any]) -> Marker:
-    _unknown(table, ["name", "place", "offset", "angle"])
-    values = {key: value for key, value in table.items() if key in ("name", "angle", "place")}
-    if "place" not in table:
-        raise InputError('place is missing: a place along the body [m], or "head"')
-    if table["place"] == "head":
-        del values["place"]
-        values["on_head"] = 1.0
-    if "offset" in table:
-        values["offset_x"], values["offset_z"] = _list("offset", table["offset"], 2)
-    return Marker(**values)
-
-
-_READERS: dict[str, Any] = {"segment": _segment, "tendon": _tendon, "marker": _marker}
-
-
-def tables(kind: str, parts: Sequence[Any]) -> list[dict[str, Any]]:
-    """Return the tables ``[[kind]]`` that describe these parts: what `from_tables` reads."""
-    return [_WRITERS[kind](part) for part in parts]
-
-
-def _segment_table(segment: Segment) -> dict[str, Any]:
-    single = [item.name for item in _numbers("segment") if not item.name.endswith(("_start", "_end"))]
-    table = {key: getattr(segment, key) for key in single if getattr(segment, key)}
-    for key in _PAIRS:
-        start, end = getattr(segment, f"{key}_start"), getattr(segment, f"{key}_end")
-        if start or end:
-            table[key] = start if end in (0.0, start) else [start, end]
-    return table
-
-
-def _tendon_table(tendon: Tendon) -> dict[str, Any]:
-    table: dict[str, Any] = {"name": tendon.name, "route": tendon.route}
-    if tendon.route == "chord":
-        table |= {"plate": [tendon.plate_x, tendon.plate_z], "pulley": [tendon.pulley_x, tendon.pulley_z]}
-    else:
-        table["offset"] = [list(point) for point in tendon.guide]
-    optional = ("pulley_radius", "ends_at", "compliance", "gain", "zero", "shift")
-    return table | {key: getattr(tendon, key) for key in optional if getattr(tendon, key)}
-
-
-def _marker_table(marker: Marker) -> dict[str, Any]:
-    table: dict[str, Any] = {"name": marker.name, "place": "head" if marker.on_head else marker.place}
-    if marker.offset_x or marker.offset_z:
-        table["offset"] = [marker.offset_x, marker.offset_z]
-    return table | ({"angle": marker.angle} if marker.angle else {})
-
-
-_WRITERS: dict[str, Any] = {"segment": _segment_table, "tendon": _tendon_table, "marker": _marker_table}
 
 
 def check_body(
@@ -398,7 +280,7 @@ class _Body:
         stated = segment.stated or (stated and not segment.shaped)
         for name in ("shape", "E", "nu", "density"):
             known[name] = getattr(segment, name) or known.get(name, 0.0)
-        for name in _PAIRS:
+        for name in PAIRS:
             start, end = getattr(segment, f"{name}_start"), getattr(segment, f"{name}_end")
             if start:
                 known[name] = start
@@ -409,7 +291,7 @@ class _Body:
                 varies.add(name)
             elif not start and name in varies and name in self._needed(known, stated):
                 raise InputError(f"{name} is missing: it changes along the segment before, so say what it is here")
-        needed: tuple[str, ...] = _STATED[:3]
+        needed: tuple[str, ...] = STIFFNESSES[:3]
         if not stated:
             if not known["shape"]:
                 raise InputError("shape is missing (with E, nu and sizes), or EA, GA and EI")
@@ -423,7 +305,7 @@ class _Body:
 
     @staticmethod
     def _needed(known: Mapping[str, Any], stated: bool) -> Sequence[str]:
-        return _STATED if stated else _SIZES.get(known["shape"], ())
+        return STIFFNESSES if stated else _SIZES.get(known["shape"], ())
 
     @staticmethod
     def _check_ring(segment: Segment) -> None:

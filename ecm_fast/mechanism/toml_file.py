@@ -10,7 +10,8 @@ from typing import Any
 
 from ..errors import InputError, did_you_mean, key_shown, shown, why
 from ..files import read_whole, write_whole
-from .body import KINDS, from_tables, tables
+from .body import KINDS
+from .body_tables import read_tables, write_tables
 from .catalogue import CATALOGUE
 from .parameters import PARAMETERS
 from .quantity import Quantity
@@ -49,7 +50,7 @@ def read_values(path: str | os.PathLike[str]) -> tuple[str, dict[str, Any], Part
 
 def _values(content: dict[str, Any]) -> tuple[str, dict[str, Any], Parts]:
     tables = [*SECTIONS, "effects", *KINDS]
-    parts = {kind: from_tables(kind, content[kind]) for kind in KINDS if kind in content}
+    parts = {kind: read_tables(kind, content[kind]) for kind in KINDS if kind in content}
     _check_sections(content, parts)
     for key, value in content.items():
         if key == "preset" or key in KINDS:
@@ -154,7 +155,7 @@ def _text(values: Mapping[str, float | str], entries: Mapping[str, Quantity], *,
 def _part_text(parts: Parts) -> str:
     lines = []
     for kind, several in parts.items():
-        for table in tables(kind, several):
+        for table in write_tables(kind, several):
             lines += ["", f"[[{kind}]]", *(f"{key} = {_toml(value)}" for key, value in table.items())]
     return "".join(f"{line}\n" for line in lines)
 
