@@ -10,10 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError, shown
 from .families import FAMILIES, find_family, gauss_rule, integrals, lagrange, lobatto_nodes
 
-__all__ = ["DEFAULT_ORDER", "Discretization"]
+__all__ = ["DEFAULT_ORDER", "Discretization", "lowest_order"]
 
 # order 5 keeps 1e-6 on the presets; twice as many points as the highest order
 DEFAULT_ORDER, MAX_GAUSS = 5, 12
+LARGEST_ERRORS = {3: 2e-4, 4: 1e-5, 5: 5e-7, 6: 1e-8}
+"""Errors of one element by its order, over the wrench box and the tendon forces of the paper, slender neck."""
 MAX_ELEMENTS = 100_000  # a bound on memory: some 100 MB
 SMALLEST_SHARE = 1e-9  # shorter elements differ from none by rounding alone
 NO_ELEMENT = 1e-6  # places nearer to the end of an element than this are its end
@@ -150,6 +152,20 @@ class Discretization:
             table[half, : p + 1] = lagrange(self.local_nodes, begin + 0.5 * self.local_nodes)[0]
             table[half, p + 1 :, : self.gauss] = lagrange(points, begin + 0.5 * points)[0]
         return table
+
+
+def lowest_order(accuracy: float) -> int:
+    """Return the lowest order whose single element keeps an accuracy, see `FiniteElementModel`.
+
+    Raises
+    ------
+    InputError : none does.
+    """
+    for order, error in LARGEST_ERRORS.items():
+        if error <= accuracy:
+            return order
+    least = min(LARGEST_ERRORS.values())
+    raise InputError(f"accuracy = {shown(accuracy)}: allowed is a number from {least:g} up; below, give more elements")
 
 
 @lru_cache(maxsize=64)

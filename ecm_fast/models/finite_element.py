@@ -9,26 +9,18 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError, real, shown
+from ..errors import InputError, real
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.vector import pack
-from ..mesh.discretization import Discretization
+from ..mesh.discretization import Discretization, lowest_order
 from ..mesh.families import find_family
 from .batch import solve_cases
 from .body import divide
 from .equilibrium import BatchResult, Equilibrium
 from .instruments.history import path_effects
-from .inverse import Inverse
-from .loads import (
-    Names,
-    finite_load,
-    forces_by_name,
-    last_step,
-    many_loads,
-    one_load,
-    parameter_rows,
-)
-from .path_state import PathChoice, PathState, check_order
+from .inverse import Inverse, force_grid
+from .loads import finite_load, in_order, last_step, many_loads, one_load, parameter_rows
+from .path_state import PathChoice, PathState, check_order, check_rows
 from .paths.condensed import Condensation
 from .refinement import resolve
 from .robot.stepper import TendonStepper
@@ -40,10 +32,6 @@ from .stepper import Stepper
 __all__ = ["FiniteElementModel"]
 
 Array = NDArray[np.float64]
-# fewer cases than this do not pay for fitting where they start
-WORTH_A_GUESS = 1024
-# largest error of one element by its order, over the wrench box and the tendon forces of the paper, slender neck
-ERRORS = {3: 2e-4, 4: 1e-5, 5: 5e-7, 6: 1e-8}
 
 
 class FiniteElementModel:
@@ -66,13 +54,11 @@ class FiniteElementModel:
     -----
     The default, one element of order 5, leaves an error below 1e-6, and below 1e-9 where tendons alone drive the neck.
     One element of order 3 to 6 is solved on the fast path of `kernels.condensed`, any other number and
-    order on that of `kernels.chain`, and what neither takes or vouches for by `kernels.newton`: the same discrete
+    order on that of `kernels.chain`, and what neither takes or accepts by `kernels.general`: the same discrete
     equations, the same solution to rounding. ``elements=20, order=1`` is the paper's discretization.
-
     Families other than Lagrange's are for studies: they go the general path throughout.
 
-    A model may be used by several threads at once, copied, pickled and sent to other processes, which make what they
-    need from the mechanism and the discretization.
+    A model may be used by several threads at once, copied, pickled and sent to other processes.
 
     Poses that depend on the order of loads (effects of the path: friction, hysteresis, memory, creep, Mullins, drift)
     are those of `stepper` and of `predict`. The other methods refuse such a mechanism unless their argument `path`
@@ -100,14 +86,15 @@ class FiniteElementModel:
         by_hand = elements is not None or order is not None or gauss is not None or family != "lagrange"
         self.accuracy = None if by_hand else accuracy
         if order is None:
-            order = min(_order(accuracy), find_family(family).highest_order)
+            order = min(lowest_order(accuracy), find_family(family).highest_order)
         by_pieces = divide(pack(replace(self.mechanism, markers=())), elements)
         self.discretization = Discretization.of(by_pieces, order, gauss, family)
         self._prepare()
 
     def _prepare(self) -> None:
         """Make what follows from the mechanism and the discretization."""
-        self._par = pack(replace(self.mechanism, markers=()))  # which are no part of the statics
+        self._statics = replace(self.mechanism, markers=())  # which are no part of it
+        self._par = pack(self._statics)
         self._names = self.mechanism.tendon_names
         self._path_effects = path_effects(self._par)
         self._single = SingleSolver(self.mechanism, self.discretization, self._par)
@@ -174,7 +161,7 @@ class FiniteElementModel:
         if model is not self:
             return model.solve(lam, wrench, lengths=lengths, path="ignore")
         if not isinstance(lam, tuple):
-            lam = _in_order(lam, self._names)
+            lam = in_order(lam, self._names)
         loads = finite_load(lam, wrench, self._names)
         wanted = None if lengths is None else given_lengths(self.mechanism, lengths, loads)
         return self._single.solve(loads, wanted, self.accuracy)
@@ -214,13 +201,12 @@ class FiniteElementModel:
         step_tol2, mesh = last_step(tolerance), self.discretization
         if out is not None and len(out) != len(tensions):
             raise InputError(f"out has {len(out)} cases: allowed is {len(tensions)}, as many as there are loads")
-        if parameters is not None:
-            par = parameter_rows(parameters, len(tensions))
-            _check_rows(par, path, "solve_batch")
-            return solve_cases(mesh, None, par, tensions, dead, step_tol2, threads, out, self.accuracy)
-        return solve_cases(
-            mesh, self._single.fast, self._par[None], tensions, dead, step_tol2, threads, out, self.accuracy
-        )
+        if parameters is None:
+            fast, par = self._single.fast, self._par[None]
+        else:
+            fast, par = None, parameter_rows(parameters, len(tensions))
+            check_rows(par, path, "solve_batch")
+        return solve_cases(mesh, fast, par, tensions, dead, step_tol2, threads, out, self.accuracy)
 
     def sensitivities(
         self,
@@ -251,7 +237,7 @@ class FiniteElementModel:
         par = self._par[None]
         if parameters is not None:
             par = parameter_rows(parameters, len(tensions))
-            _check_rows(par, path, "sensitivities")
+            check_rows(par, path, "sensitivities")
         mesh = self.discretization
         if self.accuracy is not None:
             mesh, _ = resolve(mesh, par, tensions, dead, self.accuracy)
@@ -289,14 +275,10 @@ class FiniteElementModel:
             return model.inverse(
                 theta=theta, x=x, z=z, co_contraction=co_contraction, wrench=wrench, lam_max=lam_max, path="ignore"
             )
-        if not 0.0 < real("lam_max", lam_max) < np.inf:
-            raise InputError(f"lam_max = {shown(lam_max)}: allowed is a positive number")
-        loads = one_load(np.zeros(2), wrench)
-        key = (*loads.tolist(), float(lam_max))
+        key = (*one_load(np.zeros(2), wrench).tolist(), real("lam_max", lam_max))
         with self._lock:  # the control step is one for all threads
             if self._inverse is None or self._inverse[0] != key:
-                side = np.linspace(0.0, lam_max, 9)
-                grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+                grid = force_grid(lam_max)
                 poses = self.solve_batch(grid, wrench, path="ignore").pose
                 step = self.stepper(wrench, tolerance=1e-12, derivatives=True, path="ignore")
                 self._inverse = key, Inverse(step, grid, poses, self.mechanism.beam.length, lam_max)
@@ -336,7 +318,7 @@ class FiniteElementModel:
             return by_force  # type: ignore[no-any-return]  # whose calls take as many forces as there are tendons
         settings: dict[str, Any] = {"tolerance": tolerance, "derivatives": derivatives}
         settings |= {"lam_max": lam_max, "path": path}
-        return Stepper(replace(self.mechanism, markers=()), self.discretization, wrench, **settings)
+        return Stepper(self._statics, self.discretization, wrench, **settings)
 
     def tendon_stepper(
         self,
@@ -358,8 +340,7 @@ class FiniteElementModel:
         if self.mechanism.has_pair:
             raise InputError("tendon_stepper: allowed for [[tendon]]s; the pair of [tendons] has a stepper()")
         check_order(self._path_effects, path, "the stepper of a robot")
-        mechanism = replace(self.mechanism, markers=())
-        return TendonStepper(mechanism, self.discretization, wrench, lengths, afresh=afresh)
+        return TendonStepper(self._statics, self.discretization, wrench, lengths, afresh=afresh)
 
     def __repr__(self) -> str:
         mesh = self.discretization
@@ -367,26 +348,3 @@ class FiniteElementModel:
         promise = "" if self.accuracy is None else f", refined to {self.accuracy:g} where needed"
         elements = f"{mesh.n_elements} {kind}element(s) of order {mesh.order}, {mesh.gauss} Gauss points each"
         return f"FiniteElementModel({elements}{promise})"
-
-
-def _in_order(lam: ArrayLike | Mapping[str, float] | None, names: Names) -> ArrayLike:
-    """Return tendon forces in the order of the tendons."""
-    if lam is None:
-        return (0.0,) * len(names)
-    return tuple(forces_by_name(lam, names)) if isinstance(lam, Mapping) else lam
-
-
-def _order(accuracy: float) -> int:
-    """Return the lowest order that keeps an accuracy."""
-    for order, error in ERRORS.items():
-        if error <= accuracy:
-            return order
-    least = min(ERRORS.values())
-    raise InputError(f"accuracy = {shown(accuracy)}: allowed is a number from {least:g} up; below, give more elements")
-
-
-def _check_rows(par: Array, path: PathChoice, what: str) -> None:
-    """Raise where mechanisms that have a vector each, (n, n_parameters), need an order of loads."""
-    if isinstance(path, PathState):
-        raise InputError('path with parameters: allowed is None or "ignore"; one state does not fit many mechanisms')
-    check_order(path_effects(par), path, what)

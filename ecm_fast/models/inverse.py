@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..errors import InputError, OutOfReach, real, shown
 from .stepper import Stepper
 
-__all__ = ["WISHES", "Inverse"]
+__all__ = ["WISHES", "Inverse", "force_grid"]
 
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
@@ -19,6 +19,20 @@ UNITS = ("m", "m", "rad", "N")
 # a wish is met to this share of its scale: length, 1 rad, the largest force
 MET = 1e-9
 MAX_STEPS = 40  # of Gauss-Newton, with shorter ones at the bounds; what needs more is out of reach
+SIDE = 9  # forces on a side of the grid of starts
+
+
+def force_grid(lam_max: float) -> Array:
+    """Return tendon forces (n, 2) [N] all over the allowed ones, from which to start.
+
+    Raises
+    ------
+    InputError : the largest force is not positive.
+    """
+    if not 0.0 < real("lam_max", lam_max) < np.inf:
+        raise InputError(f"lam_max = {shown(lam_max)}: allowed is a positive number")
+    side = np.linspace(0.0, lam_max, SIDE)
+    return np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
 
 
 class Inverse:

@@ -21,6 +21,7 @@ __all__ = [
     "Names",
     "finite_load",
     "forces_by_name",
+    "in_order",
     "last_step",
     "loads_of",
     "many_loads",
@@ -101,6 +102,13 @@ def forces_by_name(lam: Mapping[str, float], names: Names) -> list[float]:
         if name not in names:
             raise InputError(f"no tendon is called {name!r}{did_you_mean(name, names)}; allowed are {', '.join(names)}")
     return [lam.get(name, 0.0) for name in names]
+
+
+def in_order(lam: ArrayLike | Mapping[str, float] | None, names: Names) -> ArrayLike:
+    """Return tendon forces in the order of `names`; None: none pulls."""
+    if lam is None:
+        return (0.0,) * len(names)
+    return tuple(forces_by_name(lam, names)) if isinstance(lam, Mapping) else lam
 
 
 def finite_load(lam: ArrayLike, wrench: ArrayLike, names: Names = PAIR) -> Array | tuple[float, ...]:

@@ -13,9 +13,9 @@ from ..kernels.layout import N_PAST
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.parameters import PARAMETERS
 from ..mechanism.vector import pack, unpack
-from .instruments.history import on_path
+from .instruments.history import on_path, path_effects
 
-__all__ = ["PathChoice", "PathState", "check_order"]
+__all__ = ["PathChoice", "PathState", "check_order", "check_rows"]
 
 Array = NDArray[np.float64]
 
@@ -91,3 +91,10 @@ def check_order(effects: Sequence[str], path: object, what: str) -> None:
             f"{', '.join(effects)} {verb} on the loads before, whose order {what} does not know: use a stepper or "
             'predict, which do, give a stepper\'s state as path, or leave out such effects with path="ignore"'
         )
+
+
+def check_rows(par: Array, path: PathChoice, what: str) -> None:
+    """Raise where mechanisms that have a vector each, (n, n_parameters), need an order of loads."""
+    if isinstance(path, PathState):
+        raise InputError('path with parameters: allowed is None or "ignore"; one state does not fit many mechanisms')
+    check_order(path_effects(par), path, what)
