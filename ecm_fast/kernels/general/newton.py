@@ -10,12 +10,10 @@ Such a tendon presses on a body that does not press back yet: the tangent at the
 buckles, and Newton from there took seven times as many steps.
 """
 
-from typing import Any
-
 import numpy as np
 
 from ...mechanism.catalogue import LARGEST_PUSH
-from .._jit import by_first_type, copy, kernel
+from .._jit import copy, kernel
 from ..layout import (
     CONVERGED,
     INVALID_INPUT,
@@ -33,9 +31,6 @@ from ..layout import (
     O_THETA,
     O_X,
     O_Z,
-    S_EA,
-    S_EI,
-    S_GA,
     S_GUIDES,
     SECTION_UNSTABLE,
     T_FURTHER,
@@ -44,9 +39,9 @@ from ..layout import (
     TENDON_ZERO_LENGTH,
     UNSTABLE,
 )
-from .elements import lagrange
-from .elements.dispatch import apply_step, element_residual, kernels_for, sizes
+from .elements.dispatch import apply_step, element_residual, sizes
 from .front import band_of, newton_step, solve_factored, work_size
+from .section_stability import section_fails
 from .tip import tendon_forces, tip_wrench
 
 __all__ = ["ROUNDING_FLOOR", "advance", "solve", "solve_work_size", "step_size"]
@@ -60,8 +55,6 @@ FULL_LOAD_LIMIT, LOAD_STEP_LIMIT = 1.0, 0.4
 FIRST_LOAD_STEP, LAST_LOAD_STEP, MAX_LOAD_STEPS = 0.125, 1e-8, 250
 # a tendon this short, as a share of the beam's length, where the branch ends: it is what ended it
 SHORT_TENDON = 0.05
-# stiffness of a section that is as good as lost, as a share of what it has unstrained
-LOST = 1e-3
 
 
 def solve_work_size(n_nodes: int, n_elements: int, order: int) -> int:
@@ -258,7 +251,7 @@ def _follow(tables, stations, tip, q_rest, loads, q, work, out):
     now = work[2 * n : 2 * n + N_LOADS]
     for i in range(N_LOADS):
         now[i] = base[i] + reached * (goal[i] - base[i])
-    if _section_fails(tables, stations, now, q):
+    if section_fails(tables, stations, now, q):
         return SECTION_UNSTABLE
     if reached == 0.0 or base[L_PRESTRAIN] == 0.0:
         return NOT_CONVERGED
@@ -272,41 +265,6 @@ def _tendon_is_short(tip, loads, q, work):
     n = q.shape[0]
     free, _ = tip_wrench(tip, loads, q[n - 3], q[n - 2], q[n - 1], work[6:9], work)
     return not free >= SHORT_TENDON * tip[T_LENGTH]
-
-
-@kernel
-def _lagrange_fails(tables, stations, loads, q):
-    n_gauss, width = tables.shape[1], 3 * (tables.shape[2] - 1)
-    for i in range(stations.shape[0]):
-        station, first = stations[i], width * (i // n_gauss)
-        _, _, gamma_x, _, _, law = lagrange.section_at(
-            tables, station, loads, i % n_gauss, q[first : first + width + 3]
-        )
-        N, _, _, N_x, Q_x, _, Q_z, _, M_k = law
-        det = N_x * Q_z - Q_x * Q_x
-        EA, GA, EI = station[S_EA], station[S_GA], station[S_EI]
-        if not (N_x > LOST * EA and Q_z > LOST * GA and det > LOST * EA * GA and M_k > LOST * EI):
-            return True
-        if N > 0.0 and gamma_x * det < N * N_x:
-            return True
-    return False
-
-
-@kernel
-def _not_looked_at(tables, stations, loads, q):
-    """Of other families the strains are not known here."""
-    return False
-
-
-_section_fails: Any = by_first_type(
-    lambda tables: _lagrange_fails if kernels_for(tables) is lagrange else _not_looked_at
-)
-"""Whether the law of a section, not the neck as a column, is what lost stability at `q`.
-
-Either the law has lost its stiffness; or a tension N is more than what shears the section at a given tension,
-N > gamma_x (Q_z - Q_x^2/N_x): with the plain law N > GA gamma_x. A section that turns then gains more from shearing
-than it loses. What a shear force adds where N is small, and any compression, bending holds in every column.
-"""
 
 
 @kernel
