@@ -10,7 +10,7 @@ from ..results.diagnosis import Detectability, HoldoutMisfit, Remainder, Verdict
 from ..results.external_validation import Transfer, carried, not_carried
 from ..results.findings import Claim, Model
 from ..search.odds import odds
-from ..search.selection import Selection, leaves_most, refused
+from ..search.selection import Selection, implausible, leaves_most
 
 __all__ = [
     "MIRRORS",
@@ -125,7 +125,7 @@ def nearest(found: Selection) -> tuple[str, ...]:
         entry = CATALOGUE[name].size
         sizes.append(f"{name} = {values[entry.key]:.3g}{'' if entry.unit == '-' else f' {entry.unit}'}")
     closest = found.closest or found.view
-    reason = refused(fit, closest)
+    reason = implausible(fit, closest)
     if not reason and leaves_most(closest, found.baseline):
         reason = "it leaves more than half of the misfit"
     return (f"{' with '.join(sizes)} comes nearest, but {reason or 'the tests still see something beyond it'}",)

@@ -17,21 +17,9 @@ from ..results.diagnosis import LackOfFit
 from .fit import Fit, refit
 from .odds import alternative_caveat
 from .outliers import drop_single_row_alarms
-from .selection import (
-    LIMITS,
-    PASSES,
-    WORTH,
-    Fits,
-    Selection,
-    fit_models,
-    fit_pairs,
-    onward,
-    refused,
-    search,
-    search_from,
-    second_effect,
-    trial,
-)
+from .ranked_fits import Fits, fit_models, fit_pairs
+from .search import PASSES, WORTH, search, search_from, second_effect, select, trial
+from .selection import LIMITS, Selection, implausible
 
 __all__ = ["ENOUGH", "evenly", "search_all"]
 
@@ -97,10 +85,10 @@ def _confirmed(
         two = _of_two(baseline, gates, _to_all(problem, baseline, few, near), singles[:1], alpha, seed)
         if two.effects or not singles:
             return two
-        one = onward(baseline, baseline, gates, _to_all(problem, baseline, few, singles), alpha, 1, seed)
+        one = select(baseline, baseline, gates, _to_all(problem, baseline, few, singles), alpha, 1, seed)
         return one if one.effects else two
     found = _to_all(problem, baseline, few, singles)
-    one = onward(baseline, baseline, gates, found, alpha, 1, seed)
+    one = select(baseline, baseline, gates, found, alpha, 1, seed)
     asked = max_effects > 1 and found[2] and (not one.effects or second_effect(found[0]) > WORTH)
     pairs = _pairs_of(few, found) if asked else []
     if not pairs:
@@ -112,7 +100,7 @@ def _confirmed(
 
 def _near(fits: Sequence[Fit], view: Linearization, limit: float) -> list[Fit]:
     """Return the fits that may still be within a limit of the best one when all rows have spoken, the best first."""
-    meant = [fit for fit in fits if not refused(fit, view)]
+    meant = [fit for fit in fits if not implausible(fit, view)]
     return [fit for fit in meant if fit.evidence > meant[0].evidence - limit - _SLACK][:_MOST]
 
 
