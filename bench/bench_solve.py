@@ -64,7 +64,7 @@ def bench_solve(benchmark, elements, order):
 
 @pytest.mark.benchmark(group="one cold solve")
 def bench_solve_reference(benchmark):
-    p, mesh = reference.named(ecm.pack(NECK)), ecm.Discretization.of(20, 1)
+    p, mesh = reference.named(ecm.pack(NECK)), ecm.Discretization.from_elements(20, 1)
     q, _ = timed(benchmark, reference.solve, p, mesh, [80.0, 40.0, 0.0, 0.0, 0.0, 1.0])
     assert np.isfinite(q).all()
 

@@ -121,7 +121,7 @@ def _calls() -> dict[str, Way]:
         one, many = (LOADS[:1], NONE, 1e-10, columns(1)), (LOADS[:64], NONE, 1e-10, columns(64))
         ways[f"chain {n}"] = lambda fast=fast, args=one: fast.solve(*args)
         ways[f"chain {n} in batch"] = lambda fast=fast, args=many: fast.solve(*args)
-    p, mesh = reference.named(ecm.pack(NECK)), ecm.Discretization.of(20, 1)
+    p, mesh = reference.named(ecm.pack(NECK)), ecm.Discretization.from_elements(20, 1)
     ways["reference"] = lambda: reference.solve(p, mesh, [80.0, 40.0, 0.0, 0.0, 0.0, 1.0])
     return ways
 

@@ -53,7 +53,7 @@ def rows() -> list[str]:
     band = np.random.default_rng(0).uniform(0.0, 1.0, (11, 60))
     band[5] += 20.0
     ways["banded"] = lambda: solve_banded((5, 5), band, np.ones(60))
-    p, mesh = reference.named(ecm.pack(NECK)), ecm.Discretization.of(20, 1)
+    p, mesh = reference.named(ecm.pack(NECK)), ecm.Discretization.from_elements(20, 1)
     ways["reference"] = lambda: reference.solve(p, mesh, [80.0, 40.0, 0.0, 0.0, 0.0, 1.0])
     many = {name: 512 for name in ways if name.startswith("batch")} | {name: 20 for name in ways if "step" in name}
     best = {name: found.per_case for name, found in in_turn(ways, cases=many).items()}

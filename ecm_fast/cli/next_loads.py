@@ -57,7 +57,7 @@ def _run(args: argparse.Namespace) -> Answer:
     neck = mechanism_of(inputs["mechanism"])
     data = [read_measurements(path).with_noise(inputs.get("noise", {})) for path in inputs["data"]]
     priors = {name: (float(value), float(std)) for name, (value, std) in inputs["priors"].items()}
-    pool = Pool.of(args.add_ons or ADD_ONS).within(numbers_by_name("--at-most", args.at_most))
+    pool = Pool.from_add_ons(args.add_ons or ADD_ONS).within(numbers_by_name("--at-most", args.at_most))
     found = Study(neck, data, priors=priors).next_loads(
         result, minutes=args.minutes, repeats=args.repeats, pool=pool, check_single=True
     )

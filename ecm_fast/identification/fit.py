@@ -79,7 +79,7 @@ class WeightedFit:
         self.barred = np.zeros(rows.n, dtype=bool)
         state = rows.at(values)
         self._use(state)
-        noise, weights, settled, near = ReadingNoise.of(rows, state, self.force_sigma), None, False, _NEAR_ENOUGH
+        noise, weights, settled, near = ReadingNoise.from_rows(rows, state, self.force_sigma), None, False, _NEAR_ENOUGH
         for _ in range(_ROUNDS):
             spread = noise.components(rows, state, self.used, self._known(values), robust=robust)
             sigma = noise.sigma if spread is None else spread.sigma

@@ -125,7 +125,7 @@ def fit_parameters(
         return WeightedFit(FitRows(sets, names, mesh), prior, Loss(loss, loss_scale), level, force_sigma).best()
 
     if elements is not None or order is not None:
-        return run(Discretization.of(divide(pack(sets[0].mechanism), elements), order))
+        return run(Discretization.from_elements(divide(pack(sets[0].mechanism), elements), order))
     mesh, _ = common_mesh(sets)
     fit = run(mesh)
     # the fit may bend further than the start

@@ -42,7 +42,7 @@ class ReadingNoise:
     dof: float = np.inf
 
     @classmethod
-    def of(cls, rows: FitRows, start: State, force_sigma: float | None) -> "ReadingNoise":
+    def from_rows(cls, rows: FitRows, start: State, force_sigma: float | None) -> "ReadingNoise":
         """Return the noise that the measurements declare, else that of rows which repeat one load.
 
         Raises

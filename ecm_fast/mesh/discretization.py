@@ -39,7 +39,7 @@ class Discretization:
     family: str = "lagrange"
 
     @classmethod
-    def of(
+    def from_elements(
         cls, elements: int | ArrayLike = 1, order: int | None = None, gauss: int | None = None, family: str = "lagrange"
     ) -> "Discretization":
         """Divide a beam into `elements` equal elements, or into elements of the given relative lengths.
@@ -137,7 +137,7 @@ class Discretization:
         new = [place for place in places if np.abs(ends - place).min() > NO_ELEMENT]
         if not new:
             return self
-        return Discretization.of(np.diff(np.sort([*ends, *new])), self.order, self.gauss, self.family)
+        return Discretization.from_elements(np.diff(np.sort([*ends, *new])), self.order, self.gauss, self.family)
 
     @cached_property
     def halves(self) -> NDArray[np.float64]:

@@ -22,7 +22,7 @@ WORTH_A_GUESS = 1024
 
 def fast_path(mesh: Discretization, stations: Array, tip: Array, q_rest: Array) -> Condensation | Chain | None:
     """Return the fast path of one mechanism, from what `prepare` made of it; None where none applies."""
-    return Condensation.of(mesh, stations, tip, q_rest) or Chain.of(mesh, stations, tip, q_rest)
+    return Condensation.from_system(mesh, stations, tip, q_rest) or Chain.from_system(mesh, stations, tip, q_rest)
 
 
 def solve_cases(

@@ -88,7 +88,7 @@ class FiniteElementModel:
         if order is None:
             order = min(lowest_order(accuracy), find_family(family).highest_order)
         by_pieces = divide(pack(replace(self.mechanism, markers=())), elements)
-        self.discretization = Discretization.of(by_pieces, order, gauss, family)
+        self.discretization = Discretization.from_elements(by_pieces, order, gauss, family)
         self._prepare()
 
     def _prepare(self) -> None:

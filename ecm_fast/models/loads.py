@@ -164,12 +164,12 @@ def pushing(par: Array, lam: Array) -> NDArray[np.bool_] | None:
         return None
     side = np.array([0.5, -0.5])
 
-    def of(name: str) -> Array:
+    def effect(name: str) -> Array:
         return par[:, index(f"effects.{name}"), None]
 
     with np.errstate(all="ignore"):  # a load out of all proportion overflows; the solver refuses it
-        gain = 1.0 + of("force_gain") + side * of("force_gain_asymmetry")
-        zero = of("force_zero") + side * of("force_zero_asymmetry")
-        bent = of("force_nonlinearity") / FULL_SCALE * lam * lam
-        force: Array = gain * lam + zero + bent + of("force_crosstalk") * lam[:, ::-1]
+        gain = 1.0 + effect("force_gain") + side * effect("force_gain_asymmetry")
+        zero = effect("force_zero") + side * effect("force_zero_asymmetry")
+        bent = effect("force_nonlinearity") / FULL_SCALE * lam * lam
+        force: Array = gain * lam + zero + bent + effect("force_crosstalk") * lam[:, ::-1]
     return np.asarray(np.less(force.min(axis=1), -LARGEST_PUSH))

@@ -176,7 +176,7 @@ def finer(mesh: Discretization, error: float, accuracy: float, at: tuple[float, 
     error : estimated on `mesh`; at : shares of the length where elements end, see `jumps`
     """
     if mesh.n_elements == 1 and mesh.order < HIGHEST_ORDER and not at and error < ROUGH:
-        return Discretization.of(1, mesh.order + 1 if error < 30.0 * accuracy else HIGHEST_ORDER)
+        return Discretization.from_elements(1, mesh.order + 1 if error < 30.0 * accuracy else HIGHEST_ORDER)
     if mesh.n_elements >= MOST_ELEMENTS:
         return None
     halvings = np.log2(error / accuracy) / FALL if accuracy < error < ROUGH and mesh.order == HIGHEST_ORDER else 1.0
@@ -184,7 +184,7 @@ def finer(mesh: Discretization, error: float, accuracy: float, at: tuple[float, 
     longest *= 0.5 ** int(np.clip(np.ceil(halvings), 1, 3))
     pieces = np.diff([0.0, *at, 1.0])
     counts = np.ceil(pieces / longest * (1.0 - 1e-9)).astype(int)
-    return Discretization.of(np.repeat(pieces / counts, counts), HIGHEST_ORDER)
+    return Discretization.from_elements(np.repeat(pieces / counts, counts), HIGHEST_ORDER)
 
 
 def stands(verdict: Verdict, accuracy: float, before: Verdict | None = None) -> NDArray[np.bool_]:

@@ -246,7 +246,7 @@ def _path_core(mesh: Discretization, par: Array, loads: Array, derivatives: bool
     and the pose with these. Both start from the straight neck and are solved to rounding, as rows of `predict` are.
     """
     step_tol2, system = last_step(MIN_TOLERANCE), _prepared(mesh, par)
-    fast = Condensation.of(mesh, *system)
+    fast = Condensation.from_system(mesh, *system)
     plain = _core(mesh, par, loads, step_tol2, False, -1.0)
     along = general_stepper(mesh, system, loads, True) if fast is None else fast.stepper(system, loads, step_tol2,
                                                                                       derivatives, -1.0)  # fmt: skip

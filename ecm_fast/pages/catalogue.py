@@ -44,7 +44,9 @@ def signatures(mechanism: Mechanism, data: Measurements, effects: Sequence[Effec
     """Return the change of every reading by a typical size of each effect, (k, n, 3) [m, m, rad]."""
     from ..mesh.discretization import Discretization
 
-    rows = FitRows([FitSet(mechanism, data)], [effect.size.key for effect in effects], Discretization.of(1, 5))
+    rows = FitRows(
+        [FitSet(mechanism, data)], [effect.size.key for effect in effects], Discretization.from_elements(1, 5)
+    )
     par = pack(mechanism)
     by = rows.at(np.array([par[index(effect.size.key)] for effect in effects])).by
     typical = np.array([effect.size.typical for effect in effects])
@@ -95,7 +97,7 @@ def write_catalogue(mechanism: Mechanism, folder: Path, found: Plan, source: str
 
 
 def _sentences(found: Plan, source: str) -> tuple[str, ...]:
-    counts = {visible: len(found.of(visible)) for visible in ("named", "seen", "absorbed", "invisible")}
+    counts = {visible: len(found.effects_that_are(visible)) for visible in ("named", "seen", "absorbed", "invisible")}
     where = f"the {found.rows} rows of {source}" if source else f"{found.rows} tendon forces between 0 and 160 N"
     return (
         f"{len(CATALOGUE)} effects. With {where}, {found.noise}: {counts['named']} would be named at their typical "

@@ -108,7 +108,7 @@ def equilibria(
     found, unknown = _followed(start, loads, tendon_forces(start, loads), load_steps, np.zeros((3, loads.n)))
     if start is p:
         return found
-    past = Past.of(start, loads, found.pose)
+    past = Past.from_poses(start, loads, found.pose)
     return _followed(aged(p, past), loads, tendon_forces(p, loads, past), load_steps, unknown)[0]
 
 

@@ -52,7 +52,7 @@ class Past:
     pulled: Array
 
     @classmethod
-    def of(cls, p: Parameters, loads: Measurements, pose: Array) -> "Past":
+    def from_poses(cls, p: Parameters, loads: Measurements, pose: Array) -> "Past":
         """Return the past of every row from the poses without memory, (n, 3)."""
         begins = _begins(loads)
         straight = np.array([[length(p)], [0.0], [0.0]])

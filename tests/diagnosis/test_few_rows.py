@@ -21,7 +21,7 @@ def test_a_remainder_needs_no_row_that_is_whole() -> None:
     left = remainder(
         problem,
         found.view,
-        Residuals.of(problem, before, before, weights, found.scale, {}),
+        Residuals.from_states(problem, before, before, weights, found.scale, {}),
         compliances(problem, before),
         problem.locked,
     )

@@ -104,7 +104,7 @@ def test_the_nearest_that_can_be_meant_come_into_question() -> None:
 
 def test_the_first_load_is_the_best_of_all_by_brute_force(rivals) -> None:
     """Brute force: every fourth load of the pool, refitted in full."""
-    pair, pool = rivals[:2], Pool.of(["nothing"])
+    pair, pool = rivals[:2], Pool.from_add_ons(["nothing"])
     chosen = next_loads(pair, [LOADS_MEASURED], minutes=1.5, pool=pool)
     (first,) = chosen.suggestions
     found = []
@@ -209,16 +209,16 @@ def test_one_explanation_needs_no_experiment(rivals) -> None:
     with pytest.raises(InputError, match="nothing to tell apart"):
         next_loads(rivals[:1], [LOADS_MEASURED])
     with pytest.raises(InputError, match=r"add-on 'masss'.*did you mean 'mass'"):
-        Pool.of(["masss"])
+        Pool.from_add_ons(["masss"])
 
 
 def test_no_load_is_larger_than_what_can_be_applied(rivals) -> None:
     """By hand: the loads left in the pool."""
-    pool = Pool.of(["wrench"]).within({"fx_N": 0.0, "tau_Nm": 0.0, "fz_N": 50.0})
+    pool = Pool.from_add_ons(["wrench"]).within({"fx_N": 0.0, "tau_Nm": 0.0, "fz_N": 50.0})
     assert sorted(pool.loads[:, 3]) == [-33.0, 33.0]
     assert np.count_nonzero(pool.loads) == 2
     assert pool.add_on == ("wrench", "wrench")
-    found = next_loads(rivals[:2], [LOADS_MEASURED], pool=Pool.of().within({"fx_N": 0.0, "lam_l_N": 80.0}))
+    found = next_loads(rivals[:2], [LOADS_MEASURED], pool=Pool.from_add_ons().within({"fx_N": 0.0, "lam_l_N": 80.0}))
     assert all("fx_N" not in entry.loads and entry.loads["lam_l_N"] <= 80.0 for entry in found.suggestions)
     for limits, said in (
         ({"fy_N": 1.0}, "limit of 'fy_N': allowed are lam_l_N, lam_r_N, fx_N"),
@@ -226,4 +226,4 @@ def test_no_load_is_larger_than_what_can_be_applied(rivals) -> None:
         ({"fx_N": 0.0, "fz_N": 0.0, "tau_Nm": 0.0}, "leave no load"),
     ):
         with pytest.raises(InputError, match=said):
-            Pool.of(["wrench"]).within(limits)
+            Pool.from_add_ons(["wrench"]).within(limits)

@@ -33,10 +33,10 @@ def likelihood(residual, nuisances, signatures):
     rest = np.linalg.svd(nuisances)[0][:, nuisances.shape[1] :].T
     r, s = rest @ residual, rest @ signatures
 
-    def of(*sizes):
+    def density_of(*sizes):
         return np.exp(s.T @ r @ sizes - 0.5 * np.sum((s @ sizes) ** 2))
 
-    return of
+    return density_of
 
 
 def density(size, one_sided):
@@ -51,10 +51,10 @@ def density(size, one_sided):
 def test_evidence_of_an_effect_is_the_integral_over_its_sizes(system, i):
     """SciPy's quad over the size of the effect."""
     residual, nuisances, signatures = system
-    singles, _ = EvidenceMatrix.of(residual, nuisances, signatures, ONE_SIDED, np.zeros(6)).singles()
-    of = likelihood(residual, nuisances, signatures[:, [i]])
+    singles, _ = EvidenceMatrix.from_residual(residual, nuisances, signatures, ONE_SIDED, np.zeros(6)).singles()
+    data = likelihood(residual, nuisances, signatures[:, [i]])
     whole = integrate.quad(
-        lambda c: density(c, ONE_SIDED[i]) * of(c), -6.0, 6.0, points=[0.0, 1.0, 2.0], limit=200, epsabs=0.0
+        lambda c: density(c, ONE_SIDED[i]) * data(c), -6.0, 6.0, points=[0.0, 1.0, 2.0], limit=200, epsabs=0.0
     )[0]
     assert singles[i] == pytest.approx(2.0 * np.log(whole), abs=2e-3)
 
@@ -62,7 +62,7 @@ def test_evidence_of_an_effect_is_the_integral_over_its_sizes(system, i):
 def test_evidence_of_pairs_is_the_integral_over_both_sizes(system):
     """But for what the two sizes have to do with each other, which matters where the data do not ask for a pair."""
     residual, nuisances, signatures = system
-    pairs = EvidenceMatrix.of(residual, nuisances, signatures, ONE_SIDED, np.zeros(6)).pairs()
+    pairs = EvidenceMatrix.from_residual(residual, nuisances, signatures, ONE_SIDED, np.zeros(6)).pairs()
     assert len(pairs.evidence) == 15
     grid = np.linspace(-4.0, 5.0, 901)
     prior = np.array([[density(c, one_sided) for c in grid] for one_sided in (False, True)])
@@ -82,7 +82,7 @@ def test_evidence_of_pairs_is_the_integral_over_both_sizes(system):
 def test_an_effect_made_free_leaves_what_least_squares_leaves(system):
     """NumPy's lstsq."""
     residual, nuisances, signatures = system
-    gram = EvidenceMatrix.of(residual, nuisances, signatures, np.zeros(6, dtype=bool), np.zeros(6)).without(
+    gram = EvidenceMatrix.from_residual(residual, nuisances, signatures, np.zeros(6, dtype=bool), np.zeros(6)).without(
         np.array([1, 4])
     )
     both = np.hstack([nuisances, signatures[:, [1, 4]]])
@@ -99,10 +99,10 @@ def test_an_effect_made_free_leaves_what_least_squares_leaves(system):
 def test_the_gain_of_typical_sizes_is_the_ratio_of_two_integrals(mean, sigmas, one_sided):
     """The data say ``mean`` with so many ``sigmas`` to the prior deviation; 0 says nothing, nothing is gained."""
 
-    def integral(of):
+    def integral(prior):
         at = (0.0, 0.5, 1.0, mean, (info := sigmas**2) * mean / (1.0 + info))
         return integrate.quad(
-            lambda c: of(c) * np.exp(-0.5 * info * (c - mean) ** 2), -8.0, 8.0, points=sorted(at), limit=400
+            lambda c: prior(c) * np.exp(-0.5 * info * (c - mean) ** 2), -8.0, 8.0, points=sorted(at), limit=400
         )[0]
 
     exact = 2.0 * np.log(integral(lambda c: density(c, one_sided)) / integral(stats.norm.pdf))
@@ -120,7 +120,7 @@ def test_the_score_exceeds_its_quantile_as_often_as_asked():
     quantile, alarms = None, 0
     for _ in range(n):
         noise = rng.standard_normal(60)
-        gram = EvidenceMatrix.of(noise, nuisances, signatures, one_sided, np.zeros(30))
+        gram = EvidenceMatrix.from_residual(noise, nuisances, signatures, one_sided, np.zeros(30))
         quantile = null_quantile(gram, np.inf, alpha, 0) if quantile is None else quantile
         scores = gram.scores()
         alarms += np.where(one_sided, scores, np.abs(scores)).max() > quantile
@@ -131,7 +131,9 @@ def test_the_gates_say_how_rare_their_statistic_is():
     """Student's t by SciPy."""
     rng = np.random.default_rng(3)
     signature = rng.standard_normal((50, 1))
-    gram = EvidenceMatrix.of(rng.standard_normal(50), np.ones((50, 1)), 9.0 * signature, np.array([False]), np.zeros(1))
+    gram = EvidenceMatrix.from_residual(
+        rng.standard_normal(50), np.ones((50, 1)), 9.0 * signature, np.array([False]), np.zeros(1)
+    )
     gate = score_test(gram, 20.0, 0, 0.01, 0)
     exact = 2.0 * stats.t.sf(gate.statistic, 20.0)
     assert gate.p == pytest.approx(exact, abs=4.0 * np.sqrt(exact / 10_000) + 1e-3)
@@ -147,7 +149,7 @@ def test_the_gates_say_how_rare_their_statistic_is():
 
 def test_a_memory_half_known_costs_only_what_changes_slowly():
     """Exact: a constant and the last of all waves, up and down from row to row, have slowness 1 and -1."""
-    chain = RowOrder.of(np.zeros(40, dtype=int), np.arange(40))
+    chain = RowOrder.from_runs(np.zeros(40, dtype=int), np.arange(40))
     constant, up_and_down = (np.repeat(column, 3)[:, None] for column in (np.ones(40), (-1.0) ** np.arange(40)))
     assert chain.slowness(constant) == pytest.approx(39 / 40)
     assert chain.slowness(up_and_down) == pytest.approx(-39 / 40)
@@ -161,7 +163,7 @@ def test_a_memory_half_known_costs_only_what_changes_slowly():
 def test_innovations_with_missing_rows_are_independent():
     """Theory of AR(1): the whitened covariance is the identity."""
     rows = np.array([0, 1, 2, 5, 6, 9, 10, 11])
-    chain = RowOrder.of(np.array([0] * 7 + [1] * 5), rows)
+    chain = RowOrder.from_runs(np.array([0] * 7 + [1] * 5), rows)
     covariance = 0.6 ** np.abs(rows[:, None] - rows)
     covariance[:5, 5:] = covariance[5:, :5] = 0.0
     turned = chain.innovations(chain.innovations(covariance, 0.6).T.copy(), 0.6)
@@ -192,7 +194,7 @@ def test_scale_and_memory_of_noise_are_found(memory):
     """Monte Carlo: known scale and correlation beside 40 free columns."""
     rng = np.random.default_rng(4)
     n, sets = 80, 60
-    chain, found = RowOrder.of(np.zeros(n, dtype=np.int64), np.arange(n)), []
+    chain, found = RowOrder.from_runs(np.zeros(n, dtype=np.int64), np.arange(n)), []
     for _ in range(sets):
         basis = rng.standard_normal((n, 3, 40))
         noise = noise_of(rng, n, memory) + basis @ rng.standard_normal(40)
@@ -213,7 +215,7 @@ def test_an_outlier_is_found_also_at_high_leverage():
     noise = noise_of(rng, n)
     noise[7] += 30.0
     found = clean(
-        noise, np.ones((n, 3), dtype=bool), basis, RowOrder.of(np.zeros(n, dtype=np.int64), np.arange(n)), ALL
+        noise, np.ones((n, 3), dtype=bool), basis, RowOrder.from_runs(np.zeros(n, dtype=np.int64), np.arange(n)), ALL
     )
     assert np.flatnonzero(found.outlier).tolist() == [7]
     assert np.all(found.residual[7] == 0.0)
@@ -241,7 +243,7 @@ def test_heavy_tails_are_seen_and_cost_less_than_their_variance():
     """Monte Carlo: Student's t with 3 degrees of freedom."""
     rng = np.random.default_rng(7)
     n = 400
-    basis, chain = rng.standard_normal((n, 3, 10)), RowOrder.of(np.zeros(n, dtype=np.int64), np.arange(n))
+    basis, chain = rng.standard_normal((n, 3, 10)), RowOrder.from_runs(np.zeros(n, dtype=np.int64), np.arange(n))
     noise = rng.standard_t(3.0, (n, 3)) / np.sqrt(3.0)
     found = clean(noise, np.ones((n, 3), dtype=bool), basis, chain, ALL)
     assert found.tail >= 0.2

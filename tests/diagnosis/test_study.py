@@ -126,9 +126,9 @@ def test_a_plan_needs_no_poses_and_mirror_classes_do_not_mix():
     locked = plan(NECK, tendon_test(grid=3)).cosines  # too few to lock any: the grid is its own mirror image
     assert np.abs(locked[np.ix_(even, odd)]).max() < 1e-5
     assert np.abs(found.cosines).max() < 1.0 + 1e-9
-    assert "mooney_rivlin" in found.of("invisible")
-    assert {"bending_one_sided", "marker_lever_z"} <= set(found.of("named"))
-    assert "force_gain" in found.of("absorbed")
+    assert "mooney_rivlin" in found.effects_that_are("invisible")
+    assert {"bending_one_sided", "marker_lever_z"} <= set(found.effects_that_are("named"))
+    assert "force_gain" in found.effects_that_are("absorbed")
 
 
 def test_the_distance_to_a_rival_is_what_its_fit_leaves():
@@ -308,7 +308,7 @@ def left_of(effect, parts, scatter=np.inf):
 
 def test_what_does_not_show_comes_with_loads_that_would():
     """The same plan with those loads added."""
-    loads, more = tendon_test(grid=3), Pool.of(["wrench"]).data  # a grid of nine has no locked rows
+    loads, more = tendon_test(grid=3), Pool.from_add_ons(["wrench"]).data  # a grid of nine has no locked rows
     sights = {sight.name: sight for sight in plan(NECK, loads).sights}
     found = sights["shear_cubic"]
     assert found.visible == "invisible"

@@ -36,7 +36,7 @@ BAD = [
 
 def chain_of(model: FiniteElementModel) -> Chain | None:
     stations, tip, q_rest, _, _ = model._single.system
-    return Chain.of(model.discretization, stations, tip, q_rest)
+    return Chain.from_system(model.discretization, stations, tip, q_rest)
 
 
 def solve(chain: Chain, loads) -> tuple[np.ndarray, np.ndarray]:

@@ -44,7 +44,7 @@ def record(mirrored=False):
 @pytest.fixture(scope="module")
 def chains():
     """Return the measuring chain of the record, and that of its mirror image."""
-    mesh = Discretization.of(1, 5)
+    mesh = Discretization.from_elements(1, 5)
     return MeasuringChain(mesh, record()), MeasuringChain(mesh, record(mirrored=True))
 
 

@@ -49,7 +49,11 @@ class Element:
         self.p, self.share, self.loads = reference.named(par), 0.7, np.ones(layout.N_LOADS)
         self.loads[layout.L_GRAVITY] = self.share
         self.h = reference.length(self.p)
-        self.family, self.mesh, self.kernels = family, Discretization.of(1, order, gauss, family), KERNELS[family]
+        self.family, self.mesh, self.kernels = (
+            family,
+            Discretization.from_elements(1, order, gauss, family),
+            KERNELS[family],
+        )
         (self.points,) = reference.stations(self.p, self.mesh)
         self.stations = np.empty((self.mesh.gauss, layout.N_STATION))
         rest = np.empty(3 * self.mesh.nodes.size)

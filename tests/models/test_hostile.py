@@ -263,7 +263,7 @@ def test_loads_that_cannot_be(loads: Any) -> None:
 def test_elements_that_cannot_be(elements: Any) -> None:
     """Contract: one line of error."""
     with pytest.raises(InputError) as caught:
-        Discretization.of(elements)
+        Discretization.from_elements(elements)
     one_line(caught.value)
 
 
@@ -282,7 +282,7 @@ def test_elements_of_extreme_lengths(elements: list[float]) -> None:
 def test_orders_that_cannot_be(order: Any) -> None:
     """Contract: one line of error."""
     with pytest.raises(InputError) as caught:
-        Discretization.of(1, order)
+        Discretization.from_elements(1, order)
     one_line(caught.value)
 
 

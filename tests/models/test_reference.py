@@ -38,7 +38,7 @@ class Case:
     def __init__(self, seed, reach=1.0):
         rng, effects_rng = np.random.default_rng(seed), np.random.default_rng(seed)
         order = 1 + seed % 6
-        self.mesh = Discretization.of(rng.uniform(0.5, 2.0, 1 + seed % 4), order, order + seed % 3)
+        self.mesh = Discretization.from_elements(rng.uniform(0.5, 2.0, 1 + seed % 4), order, order + seed % 3)
         effects = {
             f"effects.{name}": np.clip(3.0 * entry.typical * effects_rng.normal(), entry.lower, entry.upper)
             for name, entry in EFFECT_QUANTITIES.items()
@@ -150,7 +150,7 @@ SECTION = [entry.size.key for entry in CATALOGUE.values() if entry.enters == "se
 def test_section_is_the_reference_section(law, present):
     """Reference [C1] to [C8]: each effect alone and all together, from 0.3 to 3, bent to either side."""
     sizes = {key: 2.0 * find(key).typical for key in present}
-    mesh = Discretization.of(1, 1)
+    mesh = Discretization.from_elements(1, 1)
     case = prepared(Mechanism().replace(axial_law=law, **sizes), mesh)
     p = reference.station(reference.named(case[0]), mesh.mesh[0, 0], 0.0, 1.0, 0, 1)
     hooke = float(law == "hooke")

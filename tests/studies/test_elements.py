@@ -109,7 +109,7 @@ def test_locking_gets_worse_with_slenderness():
     share = {}
     for length in (0.109, 0.218):
         neck = Mechanism().replace(length=length, g=0.0)
-        known = converged(neck, LoadSet.of([[0.0, 0.0, 0.0, 1.0, 0.0]]))
+        known = converged(neck, LoadSet.from_loads([[0.0, 0.0, 0.0, 1.0, 0.0]]))
         for gauss in (1, 2):
             off = Candidate.even(4, 1, gauss).model(neck).solve(wrench=(0.0, 1.0, 0.0)).z / known.pose[0, 1] - 1.0
             share[length, gauss] = off
@@ -214,7 +214,7 @@ def test_the_fastest_that_keeps_the_tolerance_is_recommended():
     assert recommended(ROWS, 1e-7) is None
     assert ROWS[2].sentence == "one cubic element: 2e-7, 0.6 us"
     assert measured("c", 2.14e-4, 2e-7).sentence == "one cubic element: 2e-7, 210 us"
-    known = Converged(LoadSet.of([[0.0, 0.0]]), np.zeros((1, 3)), 1e-9, 8, 0)
+    known = Converged(LoadSet.from_loads([[0.0, 0.0]]), np.zeros((1, 3)), 1e-9, 8, 0)
     study = ElementStudy(Mechanism(), tuple(ROWS), known, 1e-6)
     assert study.sentence == "one cubic element: 2e-7, 0.6 us"
     assert repr(study) == "ElementStudy(5 candidates; for 1e-06: one cubic element: 2e-7, 0.6 us)"
@@ -275,7 +275,7 @@ def study_of(errors_by_candidate):
     for args, error in errors_by_candidate.items():
         candidate = Candidate.even(*args)
         rows.append(Measured(candidate, 3 * args[0] * args[1], error, error, error, (0.0,) * 5, 0, 1e-6))
-    known = Converged(LoadSet.of([[0.0, 0.0]]), np.zeros((1, 3)), 1e-13, 8, 0)
+    known = Converged(LoadSet.from_loads([[0.0, 0.0]]), np.zeros((1, 3)), 1e-13, 8, 0)
     return ElementStudy(Mechanism(), tuple(rows), known, 1e-6)
 
 
@@ -315,7 +315,7 @@ def test_load_sets():
     assert not box.lam.any()
     assert len({tuple(row) for row in np.abs(box.wrench[:8])}) == 2  # fx 330 or 20, fz 80, tau 11
     data = Measurements.from_columns({"lam_l_N": [1.0, 2.0], "fz_N": [3.0, 4.0], "extra_mass_kg": [0.0, 1.0]})
-    assert LoadSet.of(data).wrench.tolist() == [[0.0, 3.0, 0.0]]
+    assert LoadSet.from_loads(data).wrench.tolist() == [[0.0, 3.0, 0.0]]
     tilted = Measurements.from_columns({"lam_l_N": [1.0], "tilt_rad": [0.1]})
     for loads, text in (
         ("boxes", "loads = 'boxes': allowed is"),
@@ -334,7 +334,7 @@ def test_load_sets():
 
 def test_cases_without_an_equilibrium():
     """5 kN of compression hold no beam of these: left out where the converged solution says so, infinite where not."""
-    loads = LoadSet.of([[0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, -5000.0, 0.0, 0.0]])
+    loads = LoadSet.from_loads([[0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, -5000.0, 0.0, 0.0]])
     known = converged(Mechanism(), loads)
     assert (known.dropped, len(known.loads), known.pose.shape) == (1, 1, (1, 3))
     claimed = Converged(loads, np.zeros((2, 3)), 0.0, 8, 0)

@@ -618,7 +618,7 @@ def test_arguments_that_cannot_be(tmp_path: Path) -> None:
 def test_a_text_says_everything_about_a_sweep() -> None:
     """Round trip; and any changed number changes the digest."""
     plan = read_spec({**STRONG, "statistics": {"x_m": [0.0, 1.0]}})
-    assert ecm.SweepSpec.of_text(plan.text) == plan
+    assert ecm.SweepSpec.from_text(plan.text) == plan
     for name, value in (("seed", 1), ("cases", 799), ("tolerance", 1e-8), ("mechanism", ecm.Mechanism.preset("paper"))):
         assert read_spec(changed(STRONG, **{name: value})).digest != read_spec(STRONG).digest
 

@@ -415,7 +415,7 @@ def test_the_camera_step_by_step():
 def past_of(**columns):
     loads = rows(**columns)
     p = laws.named(Mechanism())
-    return history.Past.of(p, loads, equilibria(Mechanism(), loads).pose)
+    return history.Past.from_poses(p, loads, equilibria(Mechanism(), loads).pose)
 
 
 def test_tendons_remember_which_way_they_were_pulled():

@@ -83,7 +83,7 @@ def assemble(
     weights = problem.weights(view.noise, around)
     without = _without_each(found)
     lacking = {problem.candidates[i].name: fit.state(problem) for i, fit in without.items() if fit.model}
-    opened = Residuals.of(problem, before, after, weights, found.scale, lacking)
+    opened = Residuals.from_states(problem, before, after, weights, found.scale, lacking)
     shown_gap, far = gap(problem, opened, problem.locked, "rows set aside", seed)
     effects, missing = claims(found, without), missing_columns(problem)
     seen = sights(baseline, alpha, seed)

@@ -93,7 +93,7 @@ def informative_loads(view: Linearization) -> tuple[tuple[str, ...], Array]:
 
     The loads at hand count along; nuisances, calibration above all, are fitted to both.
     """
-    problem, pool = view.problem, Pool.of()
+    problem, pool = view.problem, Pool.from_add_ons()
     there = _problem(view, pool)
     sizes = [candidate.keys[0] for candidate in problem.candidates]
     solver = there.solver(list(dict.fromkeys([*sizes, *problem.tolerances])))

@@ -45,7 +45,7 @@ class Pool:
     add_on: tuple[str, ...]
 
     @classmethod
-    def of(cls, add_ons: Iterable[str] = tuple(ADD_ONS), lam_max: float = 160.0) -> "Pool":
+    def from_add_ons(cls, add_ons: Iterable[str] = tuple(ADD_ONS), lam_max: float = 160.0) -> "Pool":
         """Return every pair of tendon forces with every add-on, and every wrench on the neck without tendons.
 
         Parameters

@@ -59,6 +59,6 @@ def next_loads(
     noise = np.array([float(value) for value in sigma])
     if noise.shape != (3,) or not (noise > 0.0).all():
         raise InputError(f"sigma = {shown(list(sigma))}: allowed are three positive numbers [m, m, rad]")
-    chosen_from = pool or Pool.of()
+    chosen_from = pool or Pool.from_add_ons()
     race = DiscriminationDesign(rivals, data, chosen_from, (noise, force_sigma), priors or {}, first_alone=first_alone)
     return race.run(minutes, repeats)

@@ -57,7 +57,7 @@ class EffectCandidate:
         return self.lower[0] >= self.start[0]
 
     @classmethod
-    def of(cls, effect: Effect, mechanism: Mechanism) -> "EffectCandidate":
+    def from_effect(cls, effect: Effect, mechanism: Mechanism) -> "EffectCandidate":
         """Return an effect as a candidate on a mechanism."""
         par, entries = pack(mechanism), tuple(effect)
         lower, upper = zip(*(limits(entry.key, par) for entry in entries), strict=True)
@@ -84,7 +84,7 @@ def chosen(names: Iterable[str] | None, mechanism: Mechanism) -> list[EffectCand
     for name in wanted:
         if name not in CATALOGUE:
             raise InputError(f"candidate {name!r}: no such effect{did_you_mean(str(name), CATALOGUE)}")
-    return [EffectCandidate.of(CATALOGUE[name], mechanism) for name in CATALOGUE if name in set(wanted)]
+    return [EffectCandidate.from_effect(CATALOGUE[name], mechanism) for name in CATALOGUE if name in set(wanted)]
 
 
 def lacking(effect: Effect, data: Iterable[Measurements]) -> tuple[str, ...]:

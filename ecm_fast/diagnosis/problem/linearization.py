@@ -232,7 +232,7 @@ class Linearization:
     def gram(self) -> EvidenceMatrix:
         """All candidates, calibration taken off."""
         signatures = np.vstack([self.flat(self.sizes), np.zeros((len(self.nuisances[1]), self.sizes.shape[2]))])
-        return EvidenceMatrix.of(self.residual, self.free, signatures, self.one_sided, self.center)
+        return EvidenceMatrix.from_residual(self.residual, self.free, signatures, self.one_sided, self.center)
 
     @cached_property
     def rest(self) -> tuple[Array, Array, EvidenceMatrix]:
@@ -254,7 +254,11 @@ class Linearization:
         ]
         residual = np.concatenate([self.residual, offsets])
         signatures = np.vstack([self.flat(self.sizes), np.zeros((below + pad, self.sizes.shape[2]))])
-        return residual, free, EvidenceMatrix.of(residual, free, signatures, self.one_sided, 0.0 * self.center)
+        return (
+            residual,
+            free,
+            EvidenceMatrix.from_residual(residual, free, signatures, self.one_sided, 0.0 * self.center),
+        )
 
     def gates(self, alpha: float, seed: int) -> tuple[LackOfFit, LackOfFit]:
         """Return both tests for more than the model has."""

@@ -126,7 +126,7 @@ class Problem:
 
     def chain(self, rows: NDArray[np.int64]) -> RowOrder:
         """Return the order of rows, places that rise."""
-        return RowOrder.of(self.run, rows)
+        return RowOrder.from_runs(self.run, rows)
 
     def start(self, keys: Sequence[str]) -> Array:
         """Return the mechanism's own values of parameters."""
@@ -134,7 +134,7 @@ class Problem:
 
     def noise(self, state: State) -> ReadingNoise:
         """Return what is known of the noise before anything is fitted."""
-        return ReadingNoise.of(self.rows, state, self.force_sigma)
+        return ReadingNoise.from_rows(self.rows, state, self.force_sigma)
 
     def weights(self, noise: ReadingNoise, state: State, names: Sequence[str] = ()) -> Weights:
         """Return how the readings of its stable rows count around a state, the force cells' noise carried through.

@@ -31,7 +31,7 @@ class Scales:
     unit: Array
 
     @classmethod
-    def of(cls, keys: Sequence[str], start: Array) -> "Scales":
+    def from_start(cls, keys: Sequence[str], start: Array) -> "Scales":
         """Return the scales of parameters by key, with their values at the start."""
         stiff = np.isin(keys, STIFFNESS_KEYS)
         return cls(stiff, np.where(stiff, start, 1.0))

@@ -89,7 +89,7 @@ def _of_settling(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> list[
     held = np.concatenate([part.dwell for part in data])
     if int((rows & np.isfinite(held)).sum()) < 5 * _ROWS_PER_TERM:
         return []
-    parts = [_forgotten(Record.of(part)) for part in data]
+    parts = [_forgotten(Record.from_measurements(part)) for part in data]
     return [column for column in np.concatenate(parts).T if column[rows].any()]
 
 

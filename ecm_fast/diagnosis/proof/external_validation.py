@@ -41,7 +41,7 @@ def transfer(there: Problem, found: Selection, noise: Noise, seed: int) -> Trans
     known = there.noise(there.rows.at(there.start(there.keys)))
     sigma = np.where(known.origin == RESIDUAL, np.asarray(noise.sigma), known.sigma)  # else it would fit by definition
     known = replace(known, sigma=np.where(sigma > 0.0, sigma, known.sigma))
-    opened = Residuals.of(there, before, after, there.weights(known, after), np.maximum(found.scale, 1.0))
+    opened = Residuals.from_states(there, before, after, there.weights(known, after), np.maximum(found.scale, 1.0))
     part = there.data[0]
     shown_gap, far = gap(there, opened, np.ones(part.n, dtype=bool), part.source, seed)
     if shown_gap is None:

@@ -40,7 +40,7 @@ class Residuals:
     without: Mapping[str, Array] = field(default_factory=dict)
 
     @classmethod
-    def of(
+    def from_states(
         cls,
         problem: Problem,
         before: State,

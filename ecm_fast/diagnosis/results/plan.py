@@ -38,7 +38,7 @@ class Plan:
     missing: tuple[str, ...]
     warnings: tuple[str, ...]
 
-    def of(self, visible: str) -> tuple[str, ...]:
+    def effects_that_are(self, visible: str) -> tuple[str, ...]:
         """Return the names that are ``named``, ``seen``, ``absorbed`` or ``invisible``."""
         return tuple(sight.name for sight in self.sights if sight.visible == visible)
 
@@ -46,10 +46,10 @@ class Plan:
         """Return the plan as JSON has it; what is not finite is None."""
         answer = {
             "rows": self.rows,
-            "named": self.of("named"),
-            "seen": self.of("seen"),
-            "absorbed": self.of("absorbed"),
-            "invisible": self.of("invisible"),
+            "named": self.effects_that_are("named"),
+            "seen": self.effects_that_are("seen"),
+            "absorbed": self.effects_that_are("absorbed"),
+            "invisible": self.effects_that_are("invisible"),
             "sights": [sight.to_json_dict() for sight in self.sights],
             "names": self.names,
             "cosines": self.cosines,
@@ -62,7 +62,7 @@ class Plan:
     def _lines(self) -> Iterator[str]:
         yield f"<Plan of {self.rows} rows; {self.noise}"
         for visible in ("named", "seen", "absorbed", "invisible"):
-            names = self.of(visible)
+            names = self.effects_that_are(visible)
             yield f"  {visible} ({len(names)}): {', '.join(names) or 'none'}"
 
     def __repr__(self) -> str:

@@ -50,7 +50,7 @@ def _fit(
     weights = problem.weights(noise, state.among(problem.rows.n, problem.open))
     used, whitening, measured = problem.wanted[places], weights.whitening[places], problem.rows.measured[places]
 
-    scales = Scales.of(problem.keys, problem.start(problem.keys))
+    scales = Scales.from_start(problem.keys, problem.start(problem.keys))
 
     def residuals(moved: Array) -> tuple[Array, Array] | None:
         values, slope = scales.values(moved), scales.slope(moved)

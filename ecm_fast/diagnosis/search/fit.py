@@ -78,7 +78,7 @@ def refit(view: Linearization, model: tuple[int, ...], start: Mapping[str, float
     problem.progress.step(len(view.rows), " and ".join(member.name for member in members) or "no effect")
     p, shifts = len(solver.names), view.hidden.shape[2]
     calibrated = len(problem.keys)
-    prior = problem.prior.and_of(
+    prior = problem.prior.extended(
         [own for member in members for own in member.start], [std for member in members for std in member.spread]
     )
     by_shift = np.eye(shifts, p + shifts, p)
@@ -92,7 +92,7 @@ def refit(view: Linearization, model: tuple[int, ...], start: Mapping[str, float
     shift = view.flat(view.hidden)
     whitening, here = view.whitening, view.state.pose[view.rows]
 
-    scales, tried = Scales.of(solver.names, plain), 0
+    scales, tried = Scales.from_start(solver.names, plain), 0
     least = np.inf
 
     def residuals(all_moved: Array) -> tuple[Array, Array] | None:

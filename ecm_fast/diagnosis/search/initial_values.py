@@ -50,8 +50,8 @@ def _scanned(view: Linearization) -> dict[str, tuple[float, float]]:
         by = solver.at(at).by[:, :, [column[c.keys[0]] for c in chosen]]
         signatures = view.flat(view.whitening @ by * np.array([c.spread[0] for c in chosen]))
         below = np.zeros((len(residual) - len(signatures), len(places)))
-        evidence, _ = EvidenceMatrix.of(residual, free, np.vstack([signatures, below]), view.one_sided[places],
-                              np.zeros(len(places))).singles()  # fmt: skip
+        signatures, none = np.vstack([signatures, below]), np.zeros(len(places))
+        evidence, _ = EvidenceMatrix.from_residual(residual, free, signatures, view.one_sided[places], none).singles()
         for n in np.flatnonzero(evidence > best):
             best[n] = evidence[n]
             found[chosen[n].keys[1]] = tried[n], float(evidence[n])

@@ -58,7 +58,7 @@ class EvidenceMatrix:
     center: Array
 
     @classmethod
-    def of(
+    def from_residual(
         cls, residual: Array, nuisances: Array, signatures: Array, one_sided: Mask, center: Array
     ) -> "EvidenceMatrix":
         """Project the nuisances (m, p) out of residual (m,) and signatures (m, k)."""

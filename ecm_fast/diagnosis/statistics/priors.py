@@ -43,7 +43,7 @@ class Priors:
         slope[np.arange(at.size), at] = 1.0 / (std * safe)
         return off, slope
 
-    def and_of(self, center: Sequence[float], std: Sequence[float]) -> "Priors":
+    def extended(self, center: Sequence[float], std: Sequence[float]) -> "Priors":
         """Return the priors with those of further parameters."""
         return Priors(
             np.concatenate([self.center, center]),

@@ -45,7 +45,7 @@ class RowOrder:
     gap: NDArray[np.int64]
 
     @classmethod
-    def of(cls, run: NDArray[np.int64], rows: NDArray[np.int64]) -> "RowOrder":
+    def from_runs(cls, run: NDArray[np.int64], rows: NDArray[np.int64]) -> "RowOrder":
         """Return the chain of `rows`, places that rise among all, whose sessions are numbered `run`."""
         if not rows.size:
             return cls(rows, rows)

@@ -89,7 +89,7 @@ class Record:
     data: Measurements = field(repr=False)
 
     @classmethod
-    def of(cls, data: Measurements) -> "Record":
+    def from_measurements(cls, data: Measurements) -> "Record":
         """Read the record of measurements."""
         begins, repeats = np.ones(data.n, dtype=np.bool_), np.zeros(data.n, dtype=np.bool_)
         begins[1:] = (data.session[1:] != data.session[:-1]) | (data.experiment[1:] != data.experiment[:-1])
@@ -138,7 +138,7 @@ class History:
     rest: Array = field(repr=False)
 
     @classmethod
-    def of(cls, record: Record, par: Array, pose: Array) -> "History":
+    def from_record(cls, record: Record, par: Array, pose: Array) -> "History":
         """Make the history of a record from poses (n, 3) without memory; par : (1 or n, n_parameters)."""
         attached, pulleys, rest = attachments(par)
         lengths = np.empty((len(pose), 2))

@@ -79,7 +79,7 @@ class MeasuringChain:
             raise InputError(f"{data.source}: column {next(iter(data.named))}: this takes a neck with the pair of "
                              "[tendons], and its columns alone")  # fmt: skip
         self.mesh, self.data, self.channels = mesh, data, CHANNELS
-        self.record = Record.of(data)
+        self.record = Record.from_measurements(data)
         self._only = slice(None) if only is None else only
         self._all_loads = data.lam, data.wrench
         self._loads = data.lam[self._only], data.wrench[self._only]
@@ -163,7 +163,7 @@ class MeasuringChain:
         if self._followed is None or not np.array_equal(self._followed[0], par):
             rows = par[None] if own is None else own
             pose = self._solve(rows, self._all_loads, _WITHOUT_MEMORY).pose
-            self._followed = par.copy(), History.of(self.record, rows, pose)
+            self._followed = par.copy(), History.from_record(self.record, rows, pose)
         return self._followed[1]
 
     def _solve(self, rows: Array, loads: tuple[Array, Array], step_tol2: float, threads: int = 1) -> BatchResult:

@@ -154,7 +154,7 @@ def predict(
     if elements is None and order is None:
         mesh, excess = mesh_for(mechanism, data)
     else:
-        mesh = Discretization.of(divide(par, elements), order)
+        mesh = Discretization.from_elements(divide(par, elements), order)
     chain = chain_of(mechanism, data, mesh)
     pose, status, load_factor = chain.solve(par, last_step(MIN_TOLERANCE), threads)
     return Prediction(pose, status, load_factor, data, mechanism, excess > 1.0, chain.channels)

@@ -98,7 +98,7 @@ class RobotChain:
         if beyond:
             raise InputError(f"{data.source}: effects.{beyond[0]}: not known of rows with named tendons or markers; "
                              "take it out of the mechanism")  # fmt: skip
-        self.mesh = Discretization.of(divide(par, None)) if mesh is None else mesh
+        self.mesh = Discretization.from_elements(divide(par, None)) if mesh is None else mesh
         self._data, self._only = data, slice(None) if only is None else only
         lam = data.forces(self.tendons) if self.tendons else np.zeros((data.n, 0))
         self._given = data.lengths(self.tendons)[self._only] if self.tendons else np.full((len(lam), 0), np.nan)
@@ -287,5 +287,5 @@ def chain_of(
 ) -> MeasuringChain | RobotChain:
     """Return the measuring chain of a mechanism: of a neck without markers the quick one, with its effects."""
     if mechanism.has_pair and not data.named and channels in (None, CHANNELS):
-        return MeasuringChain(Discretization.of(1) if mesh is None else mesh, data, only)
+        return MeasuringChain(Discretization.from_elements(1) if mesh is None else mesh, data, only)
     return RobotChain(mechanism, data, mesh, only, channels)

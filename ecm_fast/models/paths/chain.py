@@ -30,7 +30,7 @@ class Chain:
         self.mesh = mesh
 
     @classmethod
-    def of(cls, mesh: Discretization, stations: Array, tip: Array, q_rest: Array) -> "Chain | None":
+    def from_system(cls, mesh: Discretization, stations: Array, tip: Array, q_rest: Array) -> "Chain | None":
         """Return the chain, or None where the mechanism or the discretization does not permit it."""
         if mesh.gauss != mesh.order or mesh.family != "lagrange":
             return None

@@ -58,7 +58,7 @@ class Condensation:
         self._straight = np.empty((5 + mesh.order, start.N_GUESS)), 0.0
 
     @classmethod
-    def of(cls, mesh: Discretization, stations: Array, tip: Array, q_rest: Array) -> "Condensation | None":
+    def from_system(cls, mesh: Discretization, stations: Array, tip: Array, q_rest: Array) -> "Condensation | None":
         """Return the condensed formulation, or None where the mechanism or the discretization does not permit it."""
         if not permits(mesh):
             return None

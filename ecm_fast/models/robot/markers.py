@@ -37,7 +37,7 @@ def marker_poses(mechanism: Mechanism, mesh: Discretization, par: Array, loads: 
     """
     ends = np.interp(np.cumsum([0.0, *mesh.shares]), np.linspace(0.0, 1.0, breaks(par).size), breaks(par))
     own = pack(mechanism)
-    finer = Discretization.of(divide(own, np.diff(ends)), mesh.order, mesh.gauss)
+    finer = Discretization.from_elements(divide(own, np.diff(ends)), mesh.order, mesh.gauss)
     if wanted is not None:
         found = by_length(finer, own, without_given(loads, wanted), wanted)
         status, q, turned = found.status, found.q, found.q[-1]

@@ -60,7 +60,7 @@ class LoadSet:
         return cls(name, *((loads, none) if name == "tendons" else (none, loads)))
 
     @classmethod
-    def of(cls, loads: "Measurements | LoadSet | ArrayLike") -> "LoadSet":
+    def from_loads(cls, loads: "Measurements | LoadSet | ArrayLike") -> "LoadSet":
         """Return load cases as a set: of measurements, (n, 2) tendon forces, or (n, 5) with dead wrenches."""
         if isinstance(loads, LoadSet):
             return loads
@@ -139,7 +139,9 @@ def errors(model: FiniteElementModel, known: Converged) -> tuple[Array, Array]:
 def error_maps(mechanism: Mechanism, chosen: Sequence[Candidate], side: int = 33) -> tuple[Array, Array]:
     """Return tendon forces on a grid, (n, 2) [N], the left one slowest, and each candidate's errors there, (n, k)."""
     ends = np.linspace(0.0, LARGEST_TENDON_FORCE, side)
-    known = converged(mechanism, LoadSet.of(np.stack(np.meshgrid(ends, ends, indexing="ij"), axis=-1).reshape(-1, 2)))
+    known = converged(
+        mechanism, LoadSet.from_loads(np.stack(np.meshgrid(ends, ends, indexing="ij"), axis=-1).reshape(-1, 2))
+    )
     maps = [errors(candidate.model(mechanism), known)[0] for candidate in chosen]
     return known.loads.lam, np.stack(maps, axis=1)
 

@@ -162,7 +162,7 @@ def study_elements(
     if not 0.0 < tolerance < math.inf:
         raise InputError(f"tolerance = {shown(tolerance)}: allowed is a positive number")
     chosen = compared or candidates(neck, family)
-    cases = LoadSet.drawn(loads, _CASES, seed) if isinstance(loads, str) else LoadSet.of(loads)
+    cases = LoadSet.drawn(loads, _CASES, seed) if isinstance(loads, str) else LoadSet.from_loads(loads)
     known = converged(neck, cases)
     return ElementStudy(neck, _measure(neck, chosen, known, progress), known, tolerance)
 
@@ -286,7 +286,7 @@ def choose_discretization(
 def _two_sets(loads: "str | Measurements | LoadSet | ArrayLike", rng: np.random.Generator) -> tuple[LoadSet, LoadSet]:
     if isinstance(loads, str):
         return LoadSet.drawn(loads, _CASES, rng), LoadSet.drawn(loads, _FRESH, rng, corners=False)
-    whole = LoadSet.of(loads)
+    whole = LoadSet.from_loads(loads)
     if len(whole) < 2:
         raise InputError(f"loads: {len(whole)} cases: allowed are 2 or more, half to choose on and half to check on")
     order = rng.permutation(len(whole))

@@ -139,7 +139,7 @@ def fig7(
         if value < 1:
             raise InputError(f"{name} = {value}: allowed is a whole number >= 1")
     neck = Mechanism.preset("slender") if mechanism is None else mechanism
-    cases = _Cases.of(neck, poses, seed, batch)
+    cases = _Cases.from_mechanism(neck, poses, seed, batch)
     ways = _ways(neck, cases, tolerance, threads)
     counts = {name: rounds if "batch" in name else 10 * rounds for name in ways} | {_PLAIN: 1}
     found = each_in_turn(ways, rounds=counts)
@@ -171,7 +171,7 @@ class _Cases:
     batches: NDArray[np.int64]
 
     @classmethod
-    def of(cls, neck: Mechanism, poses: int, seed: int, batch: int) -> "_Cases":
+    def from_mechanism(cls, neck: Mechanism, poses: int, seed: int, batch: int) -> "_Cases":
         rng, model = np.random.default_rng(seed), FiniteElementModel(neck)
         lam = random_tendon_forces(poses, rng)
         result = model.solve_batch(lam, path="ignore")
@@ -185,7 +185,7 @@ class _Cases:
 
 def _ways(neck: Mechanism, cases: _Cases, tolerance: float, threads: int) -> dict[str, Way]:
     """Return every way to solve, with the arguments of its calls."""
-    p, mesh = reference.named(pack(neck)), Discretization.of(_ELEMENTS, 1)
+    p, mesh = reference.named(pack(neck)), Discretization.from_elements(_ELEMENTS, 1)
     pairs, poses = [tuple(row) for row in cases.lam.tolist()], [tuple(row) for row in cases.pose.tolist()]
     loads, points = [(cases.lam[rows],) for rows in cases.batches], [(cases.pose[rows],) for rows in cases.batches]
     models = {name: FiniteElementModel(neck, *how) for name, how in _MODELS.items()}

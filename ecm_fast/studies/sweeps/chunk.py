@@ -38,7 +38,7 @@ class Solved:
 @functools.lru_cache(maxsize=8)
 def spec_of(text: str) -> SweepSpec:
     """Return the sweep of a text; a worker gets the same one with every chunk."""
-    return SweepSpec.of_text(text)
+    return SweepSpec.from_text(text)
 
 
 def solve(spec: SweepSpec, number: int, room: ScratchBuffers | None = None, *, stride: int = 1) -> Solved:

@@ -199,7 +199,7 @@ def _checkpoint(path: Path, spec: SweepSpec) -> tuple[dict[str, tuple[float, flo
             content = json.loads(path.read_text(encoding="utf-8"))
             noted = content.pop("sha256")
             if (content["sweep"], noted) == (spec.digest, checksum(json.dumps(content).encode())):
-                total = Tally.of_json(content)
+                total = Tally.from_json(content)
                 ranges = {name: (channel.low, channel.high) for name, channel in total.channels.items()}
                 return ranges, total, int(content["chunks"])
         except (ValueError, KeyError, TypeError, AttributeError):

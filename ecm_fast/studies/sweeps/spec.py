@@ -125,7 +125,7 @@ class SweepSpec:
 
     @cached_property
     def text(self) -> str:
-        """Everything the results depend on, on one line; `of_text` reads it."""
+        """Everything the results depend on, on one line; `from_text` reads it."""
         content = {name: getattr(self, name) for name in self.__dataclass_fields__}
         if self.path is None:
             del content["path"]  # as in sweeps that were begun before there was this choice
@@ -136,7 +136,7 @@ class SweepSpec:
         return json.dumps({"ecm_fast": __version__, **content, **({"user_effects": added} if added else {})})
 
     @classmethod
-    def of_text(cls, text: str) -> "SweepSpec":
+    def from_text(cls, text: str) -> "SweepSpec":
         """Return the sweep whose `text` this is."""
         content: dict[str, Any] = json.loads(text)
         del content["ecm_fast"]

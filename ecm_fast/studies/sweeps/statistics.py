@@ -79,7 +79,7 @@ class Channel:
         }
 
     @classmethod
-    def of_json(cls, content: Mapping[str, Any]) -> "Channel":
+    def from_json(cls, content: Mapping[str, Any]) -> "Channel":
         """Return what `json` wrote."""
         given = {name: content[name] for name in ("low", "high", "least", "most")}
         return cls(**given, counts=np.array(content["counts"], dtype=np.int64), sums=tuple(content["sums"]))
@@ -112,9 +112,9 @@ class Tally:
         return {"statuses": self.statuses, "failures": self.failures, "channels": channels}
 
     @classmethod
-    def of_json(cls, content: Mapping[str, Any]) -> "Tally":
+    def from_json(cls, content: Mapping[str, Any]) -> "Tally":
         """Return what `json` wrote."""
-        channels = {name: Channel.of_json(own) for name, own in content["channels"].items()}
+        channels = {name: Channel.from_json(own) for name, own in content["channels"].items()}
         return cls(channels, dict(content["statuses"]), list(content["failures"]))
 
     def __repr__(self) -> str:

@@ -91,7 +91,7 @@ def calibrate(
     free : channels whose origin is free
     blind : 0 or 1, the force cell of which no reading is believed: each row has the force that meets its pose best
     """
-    chain = MeasuringChain(Discretization.of(1, 5), data, rows)
+    chain = MeasuringChain(Discretization.from_elements(1, 5), data, rows)
     force = data.lam[rows, 0 if blind is None else blind].copy()
     start, places, measured = pack(mechanism), [index(name) for name in STIFFNESSES], data.pose[rows]
     k, p = len(places), len(places) + len(free)

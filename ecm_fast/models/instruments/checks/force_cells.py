@@ -111,7 +111,7 @@ def _asked(
     par, place = pack(mechanism.replace(**calibration.stiffnesses)), CELLS.index(cell)
     force, measured, first = getattr(data, cell)[rows].copy(), data.pose[rows], np.zeros(len(rows))
     for count in range(_STEPS):
-        chain = MeasuringChain(Discretization.of(1, 5), with_force(data, rows, place, force), rows)
+        chain = MeasuringChain(Discretization.from_elements(1, 5), with_force(data, rows, place, force), rows)
         found = chain.sensitivities((), par, _LAST_STEP)
         use = np.isfinite(measured) & (found.status == Status.CONVERGED)[:, None]
         off = np.where(use, measured - np.nan_to_num(found.pose), 0.0) / scale

@@ -376,7 +376,7 @@ class _Words:
         """Return where the calibrated model has the head without any load [m]."""
         rest = Measurements.from_columns({"lam_l_N": [0.0], "lam_r_N": [0.0]})
         calibrated = pack(self.mechanism.replace(**self.best.calibration.stiffnesses))
-        pose, _, _ = MeasuringChain(Discretization.of(1, 5), rest).solve(calibrated, last_step(1e-9))
+        pose, _, _ = MeasuringChain(Discretization.from_elements(1, 5), rest).solve(calibrated, last_step(1e-9))
         return float(pose[0, 0])
 
     def _unexplained(self, name: str, misfit: float) -> Finding:
