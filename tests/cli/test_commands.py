@@ -230,6 +230,7 @@ def test_predict_with_bad_data(refused: Refused) -> None:
 # effects
 
 
+@pytest.mark.slow
 def test_effects_lists_the_catalogue(run: Run) -> None:
     """By hand: the first entry; and the catalogue's own order."""
     effects = run("effects", "--json").json["effects"]
@@ -547,6 +548,7 @@ def test_a_terminal_that_knows_ascii_alone(tmp_path: Path) -> None:
     assert (tmp_path / "h\u00e4ls.toml").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_ctrl_c(tmp_path: Path) -> None:
     """A sweep of a million million cases does not end by itself."""

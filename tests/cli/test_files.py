@@ -28,7 +28,7 @@ NECK = "# my own remark\npreset = 'slender'\n[beam]\nEI = 2.9\n"
         ("polynomial eval out/polynomial.json wrenches.csv --out .", "wrenches.csv", RUN),
         ("hide --mechanism neck.toml --truth neck.toml", "neck.toml", NECK),
         ("hide --truth out/sealed.csv", "run.csv", RUN),
-        ("effects --plugin effects.json --out .", "effects.json", "pass\n"),
+        pytest.param("effects --plugin effects.json --out .", "effects.json", "pass\n", marks=pytest.mark.slow),
         ("sweep summary.json --out .", "summary.json", "[sweep]\ncases = 64\n[inputs]\nlam_l = [0, 9]\n"),
     ],
 )
@@ -101,6 +101,7 @@ def test_a_file_too_large_to_be_read_is_refused(tmp_path: Path) -> None:
         read_whole(path)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="file names that are no text")
 def test_names_that_are_no_text_stop_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

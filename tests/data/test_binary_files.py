@@ -61,6 +61,7 @@ def _save_mat(path: Path, content: dict[str, Any]) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_mat_vectors_struct_and_struct_array(tmp_path: Path) -> None:
     """SciPy's savemat, three layouts of the same numbers."""
     vectors = _matlab()
@@ -75,6 +76,7 @@ def test_mat_vectors_struct_and_struct_array(tmp_path: Path) -> None:
     assert (one.lam_l.tolist(), one.experiment.tolist()) == ([3.0], ["shear"])
 
 
+@pytest.mark.slow
 def test_mat_that_cannot_be(tmp_path: Path) -> None:
     """By hand: the text of the error, for files of SciPy's savemat."""
 
@@ -203,6 +205,7 @@ def test_parquet_that_cannot_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     )
 
 
+@pytest.mark.slow
 def test_small_files_that_unpack_to_all_the_memory_are_refused(tmp_path: Path) -> None:
     """Zeros pack well: each of these has a few kilobytes or megabytes and asks for one to a hundred gigabytes."""
     savemat(tmp_path / "v7.mat", {"x_m": np.zeros(30_000_000)}, do_compression=True)

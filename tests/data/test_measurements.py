@@ -330,6 +330,7 @@ def test_vectors_that_cannot_be(columns: dict[str, Any], text: str) -> None:
     assert str(caught.value).startswith(f"trial: {text}")
 
 
+@pytest.mark.slow
 def test_30000_rows(read: Any) -> None:
     """By hand: three of the rows."""
     rows = "".join(f"{i},{30000 - i},{i / 7!r},-1e-3,18,tendon\n" for i in range(30000))

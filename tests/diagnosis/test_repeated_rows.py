@@ -42,7 +42,10 @@ COPIES = {
 }
 
 
-@pytest.mark.parametrize("order", COPIES.values(), ids=[*COPIES])
+MANY = [pytest.param(COPIES[name], marks=pytest.mark.slow, id=name) for name in ("twice", "five times")]
+
+
+@pytest.mark.parametrize("order", [*MANY, pytest.param(COPIES["a block three times"], id="a block three times")])
 def test_copied_rows_change_no_answer(bent, order) -> None:
     """Rows that occur twice, five times, or a block three times, ended in ``outside_catalogue``."""
     plain, copied = diagnose(NECK, bent), diagnose(NECK, bent.select(order(bent.n)))
@@ -52,12 +55,14 @@ def test_copied_rows_change_no_answer(bent, order) -> None:
         assert copied.calibration[name].std > 0.9 * plain.calibration[name].std
 
 
+@pytest.mark.slow
 def test_copied_rows_of_clean_data_find_nothing(clean) -> None:
     """Known truth: nothing is hidden; a block of twenty rows is copied twice."""
     order = COPIES["a block three times"](clean.n)
     assert diagnose(NECK, clean.select(order)).verdict == "nothing_found"
 
 
+@pytest.mark.slow
 def test_the_same_file_twice_is_one_file(bent) -> None:
     """Known truth: the second file is the first one."""
     plain, twice = diagnose(NECK, bent), diagnose(NECK, [bent, bent])

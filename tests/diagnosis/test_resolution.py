@@ -16,6 +16,7 @@ def bent():
     return measure(LONG, tendon_test(60, lam_max=80.0, seed=1), Sensors(), seed=1)
 
 
+@pytest.mark.slow
 def test_the_mesh_follows_the_noise(bent):
     """Convergence: the error of every row, against twice as many elements, is below a tenth of its noise."""
     mesh, excess = mesh_for(LONG, bent)
@@ -36,6 +37,7 @@ def test_a_gentle_neck_keeps_one_element():
     assert (mesh.n_elements, mesh.order) == (1, 5)
 
 
+@pytest.mark.slow
 def test_predictions_of_far_bends_are_the_test_beds(bent):
     """The test bed's shooting: what is left of its own readings is their noise, and no more."""
     left = np.abs(predict(LONG, bent).sigmas)

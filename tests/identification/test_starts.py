@@ -27,7 +27,10 @@ def pulled(force, stretch, noise=0.0):
     return Measurements.from_columns({"fx_N": force, "x_m": x})
 
 
-@pytest.mark.parametrize("start", [(3.0, -1.0), (120.0, 0.0), (1e3, -1.0), (7500.0, 0.0), (1e5, 15.0)], ids=str)
+FAR = [pytest.param(start, marks=pytest.mark.slow) for start in ((3.0, -1.0), (1e3, -1.0), (7500.0, 0.0), (1e5, 15.0))]
+
+
+@pytest.mark.parametrize("start", [(120.0, 0.0), *FAR], ids=str)
 def test_the_best_minimum_is_found_from_far_away(start):
     """The law's closed form with EA = 37.5 N, m = 3, and 0.1 mm of noise; downhill alone ends at 0.33 m or nowhere."""
     stretch = np.linspace(1.05, 7.5, 20)
@@ -57,6 +60,7 @@ def test_treloar_s_rubber_is_met_as_scipy_meets_it(EA):
     assert fit.warnings[-1].startswith("the fit leaves 0.0411 m of x, 17% of what it varies by")
 
 
+@pytest.mark.slow
 def test_a_fit_that_leaves_rows_out_says_so_first():
     """Beyond N = GA g, where EA/3 (g - g^-2) = EA/3.6 g, a straight strip gives way sideways: from g = 6^(1/3) on."""
     stretch = np.linspace(1.1, 2.6, 16)

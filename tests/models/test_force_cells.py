@@ -37,6 +37,7 @@ def test_sound_cells_raise_no_finding(sound) -> None:
     assert force_cell_findings(NECK, measure(NECK, tendon_test(grid=9, seed=1))) == []
 
 
+@pytest.mark.slow
 def test_a_dead_cell_is_found(sound) -> None:
     """The poses ask for forces up to those applied."""
     dead = left(sound, np.zeros(sound.n))
@@ -95,6 +96,7 @@ def test_one_cell_in_kilonewtons_is_a_unit(sound) -> None:
     assert "the column holds kN; label it lam_l_kN" in finding.cure
 
 
+@pytest.mark.slow
 def test_slack_tendons_and_stops_are_no_broken_cells() -> None:
     """Zeros of slack tendons are true, a stop acts where the other tendon is slack, and a bent neck is no force."""
     bent = NECK.replace(precurvature=0.4)

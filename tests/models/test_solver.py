@@ -18,6 +18,15 @@ LADDER_WRENCH = np.array([-50.0, 40.0, -2.0])
 """The shared problem of the peers; their moment and angle turn x to z, the opposite of ours."""
 
 FINITE_PULLEYS = {"pulley_z": 0.0645, "tendons.pulley_radius": 0.0055}
+every_neck = pytest.mark.parametrize(
+    ("preset", "pulleys"),
+    [
+        pytest.param("slender", FINITE_PULLEYS, id="slender-finite"),
+        pytest.param("paper", {}, id="paper-point", marks=pytest.mark.slow),
+        pytest.param("paper", FINITE_PULLEYS, id="paper-finite", marks=pytest.mark.slow),
+        pytest.param("slender", {}, id="slender-point", marks=pytest.mark.slow),
+    ],
+)
 BOX_TWICE = np.array([[-660.0, -160.0, -22.0], [40.0, 160.0, 22.0]])
 """Twice the wrench box of the paper: fx, fz, tau, lowest and highest."""
 
@@ -108,6 +117,7 @@ def test_load_ladder_stays_on_the_connected_branch():
         np.testing.assert_allclose(model.solve(wrench=factor * LADDER_WRENCH).pose, exact, rtol=0.0, atol=5e-11)
 
 
+@pytest.mark.slow
 def test_dead_wrenches_stay_on_the_connected_branch():
     """Shooting in 20 steps: 25 wrenches of twice the paper's box on the slender neck, half of them past 0.5 rad."""
     mechanism = Mechanism().replace(g=0.0)
@@ -123,7 +133,9 @@ def test_dead_wrenches_stay_on_the_connected_branch():
     assert np.median(bends) > 0.5
 
 
-@pytest.mark.parametrize("wrench", [(1864.0, -315.0, 150.0), (1212.0, -208.0, 138.0)])
+@pytest.mark.parametrize(
+    "wrench", [(1864.0, -315.0, 150.0), pytest.param((1212.0, -208.0, 138.0), marks=pytest.mark.slow)]
+)
 def test_newton_may_not_jump_to_another_stable_branch(wrench):
     """Shooting in 200 steps: Newton at full load, unguarded, ends quietly at a stable coil, a full turn farther."""
     mechanism, wrench = Mechanism().replace(axial_law="hooke", g=0.0), np.array(wrench)
@@ -174,8 +186,7 @@ def test_tendons_of_the_paper_never_fail(preset, pulleys):
     assert np.isfinite(result.pose).all()
 
 
-@pytest.mark.parametrize("preset", ["paper", "slender"])
-@pytest.mark.parametrize("pulleys", [{}, FINITE_PULLEYS], ids=["point", "finite"])
+@every_neck
 def test_verdict_far_outside_the_range(preset, pulleys):
     """Reference: what is called an equilibrium is one, stable where the dense tangent is positive; else it is refused.
 
@@ -215,8 +226,7 @@ def test_verdict_far_outside_the_range(preset, pulleys):
     assert {Status.CONVERGED, Status.UNSTABLE} <= seen
 
 
-@pytest.mark.parametrize("preset", ["paper", "slender"])
-@pytest.mark.parametrize("pulleys", [{}, FINITE_PULLEYS], ids=["point", "finite"])
+@every_neck
 def test_one_call_agrees_with_fine_load_steps(preset, pulleys):
     """Reference: plain Newton led from the unloaded state in 15 small steps ends at the same equilibrium."""
     mechanism = Mechanism.preset(preset).replace(**pulleys)

@@ -257,6 +257,7 @@ def test_two_threads_with_a_stepper_each_repeat_the_serial_run(name, how):
     assert answers[1] == serial
 
 
+@pytest.mark.slow
 @every_model
 @every_variant
 def test_a_step_outlives_its_model(name, how):

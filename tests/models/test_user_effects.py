@@ -90,6 +90,7 @@ def test_it_is_absent_at_zero_and_takes_part_in_files(add, tmp_path):
     assert unpack(pack(neck)) == neck
 
 
+@pytest.mark.slow
 def test_it_is_gone_when_removed(add):
     """The others keep their laws when places in the vector move."""
     ecm.effect("own_cubic", unit="m^2", typical=0.004, enters="section")(cubic)

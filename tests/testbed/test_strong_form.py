@@ -114,6 +114,7 @@ def test_tendon_equilibria(table):
     assert count == 112
 
 
+@pytest.mark.slow
 def test_force_and_moment_on_a_long_beam(table):
     """Shooting: the table, made by another program."""
     entries = [row for row in table("cantilever_force_and_moment") if row["law"] == "hooke"]
@@ -123,6 +124,7 @@ def test_force_and_moment_on_a_long_beam(table):
         assert np.abs(found - column(group, "x_L", "z_L", "theta_L_rad")).max() < 1e-10  # on a length of 6.28
 
 
+@pytest.mark.slow
 def test_elastica_under_an_inclined_load(table):
     """Shooting: the table of the inextensible elastica."""
     entries = table("elastica_inclined_tip_load")
@@ -234,6 +236,7 @@ def test_mass_at_the_plate_is_a_dead_force_and_gravity_may_turn():
     np.testing.assert_allclose(hung, pushed, rtol=0, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_effects_that_only_change_a_number_of_the_drawing():
     """Equivalence: a mechanism drawn with the changed number, to the bit."""
     loads = {"lam_l_N": [80.0, 10.0], "lam_r_N": [0.0, 150.0]}
@@ -271,6 +274,7 @@ def test_the_mirror_image_of_every_neck():
         np.testing.assert_allclose(other, one * [1.0, -1.0, -1.0], rtol=0, atol=1e-12, err_msg=name)
 
 
+@pytest.mark.slow
 def test_the_load_steps_and_the_company_do_not_matter():
     """Contract: the answer depends on neither load steps nor other rows."""
     loads = tendon_test(40, seed=3)
@@ -316,7 +320,7 @@ def test_the_model_meets_the_test_bed_to_its_own_error():
     assert against({}, 8, 6)[0] < 1e-11
 
 
-@pytest.mark.parametrize("part", [*PARTS, "all"])
+@pytest.mark.parametrize("part", [*PARTS, pytest.param("all", marks=pytest.mark.slow)])
 def test_the_model_has_the_same_effects_as_the_test_bed(part):
     """Two methods: finite elements and shooting, with all effects of a part."""
     chosen = [effect for effect in CATALOGUE.values() if part in (effect.enters, "all")]
@@ -328,6 +332,7 @@ def test_the_model_has_the_same_effects_as_the_test_bed(part):
         assert against(effects | STOPS, 8, 6)[0] < 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CORNERED)
 def test_the_model_meets_the_test_bed_at_corners_of_a_law(name):
     """Two methods, at laws with a corner: to a hundredth of the camera's noise."""
@@ -354,6 +359,7 @@ def test_a_row_beyond_its_buckling_load_is_named():
     )
 
 
+@pytest.mark.slow
 def test_a_tendon_pulled_up_to_its_pulley_is_lost():
     """Contract: the outcome, the load factor and the text of the error."""
     found = equilibria(Mechanism(), rows(lam_l_N=[9000.0, 0.0], lam_r_N=[0.0, 0.0]))
