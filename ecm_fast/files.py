@@ -186,9 +186,9 @@ def check_form(value: Any, form: Any, name: str = "") -> None:
             if key != "*" and not key.endswith("?") and key not in value:
                 raise InputError(f"{name} has no {shown(key)}".lstrip())
         for key, entry in value.items():
-            own = form.get(key, form.get(f"{key}?", form.get("*")))
-            if own is not None:
-                check_form(entry, own, f"{name}.{key}" if name else key)
+            entry_form = form.get(key, form.get(f"{key}?", form.get("*")))
+            if entry_form is not None:
+                check_form(entry, entry_form, f"{name}.{key}" if name else key)
     elif not _is_a(value, form):
         raise _misfit(name, value)
 

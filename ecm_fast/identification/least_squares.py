@@ -136,14 +136,14 @@ def minimize(
         trial = np.clip(values + step, lower, upper)
         moved = trial - values
         promised = -float(moved @ (2.0 * gradient + normal @ moved))
-        there = _at(residuals, trial, loss, plain) if moved.any() else None
-        gain = (total - there[0]) / promised if there is not None and promised > 0.0 else -1.0
-        if there is not None and gain > 1e-4:
-            values, now = trial, there
+        reached = _at(residuals, trial, loss, plain) if moved.any() else None
+        gain = (total - reached[0]) / promised if reached is not None and promised > 0.0 else -1.0
+        if reached is not None and gain > 1e-4:
+            values, now = trial, reached
             damping = 0.0 if gain > 0.75 and damping < 1e-3 else damping * max(0.2, 1.0 - (2.0 * gain - 1.0) ** 3)
             growth, blocked = 2.0, None
             continue
-        blocked = trial if there is None and moved.any() else None
+        blocked = trial if reached is None and moved.any() else None
         if blocked is None and 0.0 <= promised <= _STALLED * total:
             return Minimum(values, total, residual, jacobian)
         if damping > _MOST_DAMPING:

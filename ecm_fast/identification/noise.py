@@ -80,12 +80,12 @@ class ReadingNoise:
         _, load = np.unique(np.rec.fromarrays([rows.member.astype(str), labels]), return_inverse=True)
         for number in range(len(rows.sets)):
             for channel in range(len(rows.channels)):
-                here = (rows.member == number) & missing[:, channel] & (labels != "") & start.stable
-                dof, variance = _pooled(residual[here, channel], load[here])
+                replicated = (rows.member == number) & missing[:, channel] & (labels != "") & start.stable
+                dof, variance = _pooled(residual[replicated, channel], load[replicated])
                 if dof >= _FEWEST_REPEATS:
-                    share = float(carried[here, channel, channel].mean())
-                    own = (rows.member == number) & missing[:, channel]
-                    sigma[own, channel], origin[own, channel] = _camera(variance, share), REPLICATES
+                    share = float(carried[replicated, channel, channel].mean())
+                    of_set = (rows.member == number) & missing[:, channel]
+                    sigma[of_set, channel], origin[of_set, channel] = _camera(variance, share), REPLICATES
                     least = min(least, dof)
         return ReadingNoise(sigma, self.force, origin, least)
 
@@ -98,12 +98,12 @@ class ReadingNoise:
         sigma = self.sigma.copy()
         residual, carried = rows.residual(state), self.carried(state)
         lost = len(rows.names) / max(int(used.sum()), 1)
-        for here, channel in self._groups(rows, used):
-            off = residual[here, channel]
+        for group, channel in self._groups(rows, used):
+            off = residual[group, channel]
             kept = max(off.size * (1.0 - lost), 1.0)
             spread = (_MEDIAN_TO_SIGMA * np.median(np.abs(off))) ** 2 * off.size
-            share = float(carried[here, channel, channel].mean())
-            sigma[here, channel] = _camera(float(spread) / kept, share)
+            share = float(carried[group, channel, channel].mean())
+            sigma[group, channel] = _camera(float(spread) / kept, share)
         return sigma
 
     def components(
@@ -117,8 +117,8 @@ class ReadingNoise:
         if not groups:
             return None
         masks = np.zeros((len(groups), *used.shape), dtype=bool)
-        for mask, (here, channel) in zip(masks, groups, strict=True):
-            mask[:, channel] = here
+        for mask, (group, channel) in zip(masks, groups, strict=True):
+            mask[:, channel] = group
         return variance_components(
             np.where(used, rows.residual(state), 0.0),
             np.where(used[:, :, None], state.by, 0.0),
@@ -134,7 +134,7 @@ class ReadingNoise:
         """Return rows (n,) and channel of readings that share a variance nobody knows."""
         missing = used & np.isnan(self.sigma)
         each = [(missing[:, i] & (rows.member == k), i) for k in range(len(rows.sets)) for i in range(used.shape[1])]
-        return [(here, channel) for here, channel in each if here.any()]
+        return [(group, channel) for group, channel in each if group.any()]
 
     def carried(self, state: State) -> Array:
         """Return the covariance that the force cells' noise makes in the readings, (n, c, c)."""

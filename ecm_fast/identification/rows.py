@@ -79,9 +79,9 @@ class State:
     def among(self, n: int, rows: NDArray[np.int64]) -> "State":
         """Return this state of `rows` as one of n rows, the others without an equilibrium."""
 
-        def spread(own: Array) -> Array:
-            whole = np.full_like(own, np.nan, shape=(n, *own.shape[1:]))
-            whole[rows] = own
+        def spread(values: Array) -> Array:
+            whole = np.full_like(values, np.nan, shape=(n, *values.shape[1:]))
+            whole[rows] = values
             return whole
 
         status = np.full(n, Status.NOT_CONVERGED, dtype=np.int64)
@@ -121,8 +121,8 @@ class FitRows:
         self.channels = tuple(dict.fromkeys(name for entry in sets for name in entry.data.channels))
         shares = _shares(sets, only)
         self._chains = [
-            chain_of(entry.mechanism, entry.data, mesh, own, self.channels)
-            for entry, own in zip(sets, shares, strict=True)
+            chain_of(entry.mechanism, entry.data, mesh, share, self.channels)
+            for entry, share in zip(sets, shares, strict=True)
         ]
         self._memory: list[State] = []
         self.solves = 0

@@ -83,18 +83,18 @@ def variance_components(
         return _step(residual, jacobian, filled, groups, whitening(filled), prior, robust)
 
     smallest = 2.0 * np.log(_SMALLEST_SIGMA)
-    there = at(usual)
-    start = np.log(max(float(there.squares.sum()), 1e-300) / max(float(there.dof.sum()), _LEAST))
+    fit = at(usual)
+    start = np.log(max(float(fit.squares.sum()), 1e-300) / max(float(fit.dof.sum()), _LEAST))
     log_variance = np.maximum(usual + start, smallest)
     for _ in range(_STEPS):
-        there = at(log_variance)
-        score = 0.5 * (there.squares - there.dof) - ties @ (log_variance - usual)
-        step = np.clip(np.linalg.solve(there.information + ties, score), -_LONGEST, _LONGEST)
+        fit = at(log_variance)
+        score = 0.5 * (fit.squares - fit.dof) - ties @ (log_variance - usual)
+        step = np.clip(np.linalg.solve(fit.information + ties, score), -_LONGEST, _LONGEST)
         moved = np.maximum(log_variance + step, smallest)
         if np.abs(moved - log_variance).max() <= _CLOSE:
             break
         log_variance = moved
-    return there.components(ties, robust)
+    return fit.components(ties, robust)
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,8 +169,8 @@ def _step(
 
 def _robust(off: Array, size: Array) -> float:
     """Return what the sum of squares of residuals would be, were all as their median."""
-    here = size > 0.0
-    unit = np.abs(off[here]) / np.sqrt(size[here])
+    sized = size > 0.0
+    unit = np.abs(off[sized]) / np.sqrt(size[sized])
     return float((_MEDIAN_TO_SIGMA * np.median(unit)) ** 2 * size.sum())
 
 

@@ -123,11 +123,11 @@ def far_off(fit: Identification, measured: Array) -> dict[str, tuple[float, floa
     """Return by channel rms and share of the readings' spread that a fit leaves, where both are large."""
     found = {}
     for i, (name, sigma) in enumerate(zip(fit.channels, usual_sigma(fit.channels), strict=True)):
-        here = fit.used[:, i]
-        if int(here.sum()) < _FEW_ROWS:
+        used = fit.used[:, i]
+        if int(used.sum()) < _FEW_ROWS:
             continue
-        rms = float(np.sqrt(np.mean(fit.residual[here, i] ** 2)))
-        spread = float(np.std(measured[here, i]))
+        rms = float(np.sqrt(np.mean(fit.residual[used, i] ** 2)))
+        spread = float(np.std(measured[used, i]))
         if rms > _FAR * sigma and rms > _LARGE * spread:
             found[name] = rms, rms / max(spread, 1e-300)
     return found

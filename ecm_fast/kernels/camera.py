@@ -33,8 +33,8 @@ def _reading(par, x, z, theta):
 def read(par, pose):
     """Turn poses (n, 3) into readings; par : (1 or n, n_parameters)."""
     for i in range(pose.shape[0]):
-        own = par[min(i, par.shape[0] - 1)]
-        pose[i, 0], pose[i, 1], pose[i, 2] = _reading(own, pose[i, 0], pose[i, 1], pose[i, 2])
+        row = par[min(i, par.shape[0] - 1)]
+        pose[i, 0], pose[i, 1], pose[i, 2] = _reading(row, pose[i, 0], pose[i, 1], pose[i, 2])
 
 
 @kernel

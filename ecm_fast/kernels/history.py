@@ -51,12 +51,12 @@ def tendon_lengths(pose, attached, pulleys, lengths):
     pulleys : (1 or n, 2, 2) their centers; lengths : (n, 2)   overwritten
     """
     for i in range(pose.shape[0]):
-        own = min(i, attached.shape[0] - 1)
+        row = min(i, attached.shape[0] - 1)
         s, c = np.sin(pose[i, 2]), np.cos(pose[i, 2])
         for side in range(2):
-            along, across = attached[own, side, 0], attached[own, side, 1]
-            x = pose[i, 0] + along * c + across * s - pulleys[own, side, 0]
-            z = pose[i, 1] + across * c - along * s - pulleys[own, side, 1]
+            along, across = attached[row, side, 0], attached[row, side, 1]
+            x = pose[i, 0] + along * c + across * s - pulleys[row, side, 0]
+            z = pose[i, 1] + across * c - along * s - pulleys[row, side, 1]
             lengths[i, side] = np.sqrt(x * x + z * z)
 
 

@@ -104,12 +104,12 @@ def _put_user(par, which, room):
 
     Returns whether any of these effects is there.
     """
-    own = par.shape[0] - N_TAIL - N_BUILT_IN
-    room[0] = find_law(par[par.shape[0] - N_TAIL].real, which) if own > 0 else 0.0
+    count = par.shape[0] - N_TAIL - N_BUILT_IN
+    room[0] = find_law(par[par.shape[0] - N_TAIL].real, which) if count > 0 else 0.0
     present = False
     for i in range(at.N_USER):
-        room[1 + i] = par[N_BUILT_IN + i] if i < own else 0.0
-        present = present or (i < own and room[1 + i] != 0.0 and (int(par[par.shape[0] - 1].real) >> i) % 2 == 1)
+        room[1 + i] = par[N_BUILT_IN + i] if i < count else 0.0
+        present = present or (i < count and room[1 + i] != 0.0 and (int(par[par.shape[0] - 1].real) >> i) % 2 == 1)
     return present and room[0] != 0.0
 
 
@@ -150,9 +150,9 @@ def _prepare_guides(par, s, length, station):
         if int(row[TENDON_ROUTE].real) == GUIDED:
             offset, slope, there = guide(row, s, length)
             if there:
-                own = station[at.S_GUIDE + at.N_GUIDE * count :]
-                own[0], own[1], own[2] = float(i if i < 2 else at.L_LAM_3 + i - 2), offset, slope
-                own[3], own[4] = 1.0 + row[TENDON_GAIN], row[TENDON_ZERO]
+                entry = station[at.S_GUIDE + at.N_GUIDE * count :]
+                entry[0], entry[1], entry[2] = float(i if i < 2 else at.L_LAM_3 + i - 2), offset, slope
+                entry[3], entry[4] = 1.0 + row[TENDON_GAIN], row[TENDON_ZERO]
                 count += 1
     station[at.S_GUIDES] = float(count)
 
@@ -182,10 +182,10 @@ def _prepare_chords(par, length, tip):
             tip[at.T_PULLEY_LX + 2 * i], tip[at.T_PULLEY_LZ + 2 * i] = row[TENDON_PULLEY], row[TENDON_PULLEY + 1]
             tip[at.T_REACH_L + i], tip[at.T_GAIN_L + i], tip[at.T_ZERO_L + i] = reach, gain, zero
         else:
-            own = tip[at.T_CHORD + at.N_CHORD * count :]
-            own[0], own[1], own[2] = float(at.L_LAM_3 + i - 2), a_x, a_z
-            own[3], own[4], own[5] = row[TENDON_PULLEY], row[TENDON_PULLEY + 1], reach
-            own[6], own[7] = gain, zero
+            entry = tip[at.T_CHORD + at.N_CHORD * count :]
+            entry[0], entry[1], entry[2] = float(at.L_LAM_3 + i - 2), a_x, a_z
+            entry[3], entry[4], entry[5] = row[TENDON_PULLEY], row[TENDON_PULLEY + 1], reach
+            entry[6], entry[7] = gain, zero
             count += 1
     tip[at.T_CHORDS] = float(count)
 

@@ -59,9 +59,9 @@ def _parts(values: dict[str, Any], like: Mechanism | None) -> dict[str, Any]:
     for slot, (kind, number) in SLOTS.items():
         cls = KINDS[kind]
         given = {item.name: values[f"{slot}.{item.name}"] for item in fields(cls) if item.name != "name"}
-        there = given["length"] if kind == "segment" else given["route"] if kind == "tendon" else (
+        present = given["length"] if kind == "segment" else given["route"] if kind == "tendon" else (
             given["place"] or given["on_head"])  # fmt: skip
-        if there:
+        if present:
             named = getattr(like, PARTS[kind]) if like is not None else ()
             name = {} if kind == "segment" else {"name": named[number].name if number < len(named) else slot}
             known[PARTS[kind]].append(cls(**given, **name))

@@ -60,23 +60,23 @@ def solve_cases(
     smooth = is_smooth(par)
 
     def part(rows: slice) -> None:
-        own = out[0][rows], out[1][rows], out[2][rows], out[3][rows], doubt[rows]
+        results = out[0][rows], out[1][rows], out[2][rows], out[3][rows], doubt[rows]
         if not isinstance(fast, Condensation):
-            own[4].fill(np.inf)
+            results[4].fill(np.inf)
         loads = lam[rows], wrench if len(wrench) == 1 else wrench[rows]
         if fast is not None:
-            fast.solve(*loads, step_tol2, own, guess)
+            fast.solve(*loads, step_tol2, results, guess)
         elif len(par) == n:
-            solve_mechanisms(mesh, par[rows], *loads, step_tol2, own)
-        open_ = own[3] != Status.CONVERGED
+            solve_mechanisms(mesh, par[rows], *loads, step_tol2, results)
+        open_ = results[3] != Status.CONVERGED
         if accuracy is not None:
-            open_ |= ~((own[4] <= accuracy) & (smooth if len(smooth) == 1 else smooth[rows]))
+            open_ |= ~((results[4] <= accuracy) & (smooth if len(smooth) == 1 else smooth[rows]))
         todo = rows.start + np.flatnonzero(open_)
         if todo.size:
             error = _finish(mesh, todo, par, lam, wrench, step_tol2, out, factor, accuracy)
             settled.append((todo, error))
-            for column in own[:3]:
-                column[own[3] > Status.UNSTABLE] = np.nan
+            for column in results[:3]:
+                column[results[3] > Status.UNSTABLE] = np.nan
 
     _in_threads(part, n, threads)
     refused = pushing(par, lam)
@@ -101,15 +101,15 @@ def _finish(
     accuracy: float | None,
 ) -> Array:
     """Solve the cases `todo` on the general path, or refine what may be inaccurate; return the errors if estimated."""
-    own, loads = par if len(par) == 1 else par[todo], (lam[todo], wrench if len(wrench) == 1 else wrench[todo])
-    found = solutions(mesh, own, *loads, step_tol2)
+    vectors, loads = par if len(par) == 1 else par[todo], (lam[todo], wrench if len(wrench) == 1 else wrench[todo])
+    found = solutions(mesh, vectors, *loads, step_tol2)
     pose, status, load_factor, error = found.pose, found.status, found.load_factor, np.full(todo.size, np.nan)
     if accuracy is not None:
-        error = errors(mesh, own, loads_of(*loads), found)
+        error = errors(mesh, vectors, loads_of(*loads), found)
         left = np.flatnonzero(~stands((status, load_factor, error), accuracy))
         if left.size:
             rest = (
-                own if len(own) == 1 else own[left],
+                vectors if len(vectors) == 1 else vectors[left],
                 loads[0][left],
                 loads[1] if len(loads[1]) == 1 else loads[1][left],
             )
@@ -138,9 +138,9 @@ def _errors(
     error, rest = np.empty(len(lam)), np.ones(len(lam), dtype=np.bool_)
     for rows, values in known:
         error[rows], rest[rows] = values, False
-    own = par if len(par) == 1 else par[rest], lam[rest], wrench if len(wrench) == 1 else wrench[rest]
-    found = solutions(mesh, *own, step_tol2)
-    estimate = errors(mesh, own[0], loads_of(*own[1:]), found)
+    cases = par if len(par) == 1 else par[rest], lam[rest], wrench if len(wrench) == 1 else wrench[rest]
+    found = solutions(mesh, *cases, step_tol2)
+    estimate = errors(mesh, cases[0], loads_of(*cases[1:]), found)
     error[rest] = np.where(found.status <= Status.UNSTABLE, estimate, np.nan)
     return error
 

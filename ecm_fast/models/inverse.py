@@ -64,7 +64,7 @@ class Inverse:
                 return np.array(lam)
             found.append((_square(miss), lam, miss))
         _, lam, miss = min(found)
-        reached = [(wish + own) * self._scale[row] for wish, own, row in zip(goal, miss, rows, strict=True)]
+        reached = [(wish + missed) * self._scale[row] for wish, missed, row in zip(goal, miss, rows, strict=True)]
         raise OutOfReach(self._explain(rows, wished, reached, lam))
 
     def _wished(self, wishes: dict[str, float | None]) -> tuple[list[int], Pair]:
@@ -83,9 +83,9 @@ class Inverse:
         misses, slopes = [], []
         for row, wished in zip(rows, goal, strict=True):
             scale = self._scale[row]
-            own = 0.5 * (lam[0] + lam[1]) if row == CO_CONTRACTION else pose[row]
+            value = 0.5 * (lam[0] + lam[1]) if row == CO_CONTRACTION else pose[row]
             by = (0.5, 0.5) if row == CO_CONTRACTION else self._jacobian[row].tolist()
-            misses.append(own / scale - wished if pose[3] == 0 else float("inf"))
+            misses.append(value / scale - wished if pose[3] == 0 else float("inf"))
             slopes.append((by[0] / scale, by[1] / scale))
         return (misses[0], misses[1]), (slopes[0], slopes[1])
 
@@ -135,7 +135,7 @@ def _change(lam: Pair, highest: float, miss: Pair, slopes: tuple[Pair, Pair]) ->
     """Return the Gauss-Newton change of the forces; a force at a side of the box that would leave it is held."""
     (a, b), (c, d) = slopes
     gradient = a * miss[0] + c * miss[1], b * miss[0] + d * miss[1]
-    free = [not (own <= 0.0 < g or (own >= highest and g < 0.0)) for own, g in zip(lam, gradient, strict=True)]
+    free = [not (force <= 0.0 < g or (force >= highest and g < 0.0)) for force, g in zip(lam, gradient, strict=True)]
     det = a * d - b * c
     if all(free) and abs(det) > 1e-12 * (abs(a * d) + abs(b * c)):
         return (b * miss[1] - d * miss[0]) / det, (c * miss[0] - a * miss[1]) / det

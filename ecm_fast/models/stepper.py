@@ -215,9 +215,10 @@ def _restored(mechanism: Mechanism, discretization: Discretization, wrench: Arra
 
 
 def _check_laws(par: Array) -> None:
-    own = [name for name in path_effects(par) if name in USER_ROWS]
-    if own:
-        raise InputError(f"{own[0]}: a law of rows of your own is given all rows at once, which a stepper has not: use "
+    user_laws = [name for name in path_effects(par) if name in USER_ROWS]
+    if user_laws:
+        name = user_laws[0]
+        raise InputError(f"{name}: a law of rows of your own is given all rows at once, which a stepper has not: use "
                          'predict, or leave effects of the path out with path="ignore"')  # fmt: skip
 
 

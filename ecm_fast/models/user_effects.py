@@ -82,20 +82,20 @@ def effect(
 
     def register(function: Law) -> Law:
         bound = bounds or (-100.0 * typical, 100.0 * typical)
-        own = declare(
+        entry = declare(
             name, law or f"see {name}", unit, meaning, *more, typical=typical, bounds=bound, enters=_ENTERS[enters],
             family=family, mirror=mirror, size=size, needs=tuple(needs), tolerance=tolerance,
         )  # fmt: skip
-        _check_name(own)
-        _check_scales(own)
-        append(own)
+        _check_name(entry)
+        _check_scales(entry)
+        append(entry)
         try:
             if enters == "rows":
                 USER_ROWS[name] = function
             else:
                 _LAWS[enters][name] = function
                 _compile(enters)
-                _check_law(own, enters)
+                _check_law(entry, enters)
             _enter()
         except Exception:
             remove_effect(name)
@@ -182,23 +182,23 @@ def _run(text: str, name: str) -> None:
         raise InputError(f"{name}: {type(error).__name__}: {error}") from None
 
 
-def _check_name(own: Effect) -> None:
-    words = own.name.split("_")
-    if not all(word.isascii() and word.isalnum() and word.islower() for word in words) or own.name[0].isdigit():
-        raise InputError(f"effect {own.name!r}: a name has small letters, digits and single underscores")
-    if own.name in CATALOGUE or any(entry.name == own.name for entry in PARAMETERS):
-        raise InputError(f"effect {own.name!r} exists already; take another name")
+def _check_name(effect: Effect) -> None:
+    words = effect.name.split("_")
+    if not all(word.isascii() and word.isalnum() and word.islower() for word in words) or effect.name[0].isdigit():
+        raise InputError(f"effect {effect.name!r}: a name has small letters, digits and single underscores")
+    if effect.name in CATALOGUE or any(entry.name == effect.name for entry in PARAMETERS):
+        raise InputError(f"effect {effect.name!r} exists already; take another name")
     used = len(PARAMETERS) - N_BUILT_IN
-    if used + len(own.quantities) > N_USER:
-        raise InputError(f"effect {own.name!r}: {N_USER} parameters can be added, {used} are in use")
+    if used + len(effect.quantities) > N_USER:
+        raise InputError(f"effect {effect.name!r}: {N_USER} parameters can be added, {used} are in use")
 
 
-def _check_scales(own: Effect) -> None:
-    typical, tolerance = own.size.typical, own.size.tolerance
+def _check_scales(effect: Effect) -> None:
+    typical, tolerance = effect.size.typical, effect.size.tolerance
     if not 0.0 < typical < np.inf:
-        raise InputError(f"effect {own.name!r}: typical = {typical!r}: allowed is a finite number above 0")
+        raise InputError(f"effect {effect.name!r}: typical = {typical!r}: allowed is a finite number above 0")
     if not 0.0 <= tolerance < np.inf:
-        raise InputError(f"effect {own.name!r}: tolerance = {tolerance!r}: allowed is a finite number from 0 on")
+        raise InputError(f"effect {effect.name!r}: tolerance = {tolerance!r}: allowed is a finite number from 0 on")
 
 
 def _compile(enters: str) -> None:
@@ -240,29 +240,31 @@ def _enter() -> None:
     LAWS[0] = entry
 
 
-def _check_law(own: Effect, enters: str) -> None:
+def _check_law(effect: Effect, enters: str) -> None:
     """Refuse a law that does not vanish with its size or has no energy."""
-    law, rest = _ALIVE[-1], [entry.default for entry in own.quantities[1:]]
+    law, rest = _ALIVE[-1], [entry.default for entry in effect.quantities[1:]]
     for probe in _PROBES:
-        forces = _evaluate(law, own, [0.0, *rest], probe)
+        forces = _evaluate(law, effect, [0.0, *rest], probe)
         if np.any(forces != 0.0):
-            raise InputError(f"effect {own.name!r}: its law gives {forces.real} where its size is 0; it must vanish")
-        columns = [_evaluate(law, own, [own.size.typical, *rest], probe + 1e-100j * unit) for unit in np.eye(4)[:3]]
+            raise InputError(f"effect {effect.name!r}: its law gives {forces.real} where its size is 0; it must vanish")
+        columns = [
+            _evaluate(law, effect, [effect.size.typical, *rest], probe + 1e-100j * unit) for unit in np.eye(4)[:3]
+        ]
         tangent = np.array(columns).imag.T * 1e100
         gap = np.abs(tangent - tangent.T)
         i, k = np.unravel_index(np.argmax(gap), gap.shape)
         if not gap[i, k] <= _SYMMETRY * np.abs(tangent).max():
-            raise InputError(f"effect {own.name!r}: derivatives {tangent[i, k]:g} and {tangent[k, i]:g} of forces "
+            raise InputError(f"effect {effect.name!r}: derivatives {tangent[i, k]:g} and {tangent[k, i]:g} of forces "
                              f"{i + 1} and {k + 1} must be equal: a law needs an energy, and powers above the second "
                              "written as products")  # fmt: skip
 
 
-def _evaluate(law: Any, own: Effect, values: Sequence[float], coordinates: Any) -> Any:
+def _evaluate(law: Any, effect: Effect, values: Sequence[float], coordinates: Any) -> Any:
     """Return what the compiled law gives, (3,) complex, with the effects of the user but for one absent."""
     given, found = np.zeros(N_USER + 4, dtype=complex), np.zeros(3, dtype=complex)
     for entry in PARAMETERS[N_BUILT_IN:]:
         given[index(entry.key) - N_BUILT_IN] = find(entry.key).default
-    for entry, value in zip(own, values, strict=True):
+    for entry, value in zip(effect, values, strict=True):
         given[index(entry.key) - N_BUILT_IN] = value
     given[N_USER:] = coordinates
     law.ctypes(given.ctypes.data, found.ctypes.data)

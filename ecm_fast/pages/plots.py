@@ -171,13 +171,13 @@ def plot_times(times: Mapping[str, Array]) -> Figure:
     edges = np.geomspace(0.8 * every.min(), 1.25 * every.max(), 140)
     with canvas(7.2, 0.6 + 0.36 * len(times)) as figure:
         rows = figure.subplots(len(times), 1, sharex=True, squeeze=False)[:, 0]
-        for i, (axes, (name, own)) in enumerate(zip(rows, times.items(), strict=True)):
-            axes.hist(own, edges, color=COLORS[i % len(COLORS)])
+        for i, (axes, (name, seconds)) in enumerate(zip(rows, times.items(), strict=True)):
+            axes.hist(seconds, edges, color=COLORS[i % len(COLORS)])
             axes.set_xscale("log")
             axes.tick_params(which="both", left=False, labelleft=False, bottom=axes is rows[-1])
             axes.spines["left"].set_visible(False)
             axes.set_ylabel(name, rotation=0.0, ha="right", va="center")
-            axes.text(1.0, 0.5, shown_time(float(np.median(own))), transform=axes.transAxes, ha="left", va="center")
+            axes.text(1.0, 0.5, shown_time(float(np.median(seconds))), transform=axes.transAxes, ha="left", va="center")
             axes.grid(True, axis="x")
         rows[0].set_title("median", loc="right")
         rows[-1].set_xlabel("time of one solve [s]")

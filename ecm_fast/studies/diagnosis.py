@@ -191,15 +191,15 @@ class Study:
         pool : loads to choose from; default all that the test bed can do
         check_single : whether an answer without look-alikes is checked against its nearest rivals
         """
-        said = found.to_json_dict() if isinstance(found, Diagnosis) else found
-        sets, alone = in_question(said["models"], said.get("transfer", ()))
+        result = found.to_json_dict() if isinstance(found, Diagnosis) else found
+        sets, alone = in_question(result["models"], result.get("transfer", ()))
         if len(sets) < 2 or (alone and not check_single):
             return None
         if self.progress:
             self.progress("what to measure next")
-        known: dict[str, Any] = {"priors": self.priors, "force_sigma": said["noise"]["force"] or 0.0}
+        known: dict[str, Any] = {"priors": self.priors, "force_sigma": result["noise"]["force"] or 0.0}
         rivals = rivals_of(self.mechanism, self.fitted, sets, **known)
-        sigma = [value or usual for value, usual in zip(said["noise"]["sigma"], CAMERA_SIGMA, strict=True)]
+        sigma = [value or usual for value, usual in zip(result["noise"]["sigma"], CAMERA_SIGMA, strict=True)]
         return next_loads(rivals, self.fitted, sigma=sigma, minutes=minutes, repeats=repeats, pool=pool,
                           first_alone=alone, **known)  # fmt: skip
 
@@ -269,6 +269,6 @@ def _blank_filled(data: Measurements, pose: NDArray[np.float64]) -> Measurements
     """Return measurements with the poses that the model predicts, and with noise where none is declared."""
     columns = dict(zip(CHANNELS, pose.T.copy(), strict=True))
     for name, sigma in zip(("sigma_x", "sigma_z", "sigma_theta"), CAMERA_SIGMA, strict=True):
-        own = getattr(data, name)
-        columns[name] = np.where(np.isfinite(own) & (own > 0.0), own, sigma)
+        declared = getattr(data, name)
+        columns[name] = np.where(np.isfinite(declared) & (declared > 0.0), declared, sigma)
     return replace(data, **columns)

@@ -98,8 +98,8 @@ def in_turn(
         left = [name for name in left if spent[name] < seconds or len(times[name]) < 3]
     many = {} if cases is None else cases
     return {
-        name: Timing(min(own), statistics.median(own), len(own), calls[name], many.get(name, 1))
-        for name, own in times.items()
+        name: Timing(min(measured), statistics.median(measured), len(measured), calls[name], many.get(name, 1))
+        for name, measured in times.items()
     }
 
 
@@ -123,11 +123,11 @@ def each_in_turn(
     for i in range(max(rounds.values())):
         for name, (way, arguments) in ways.items():
             if i < rounds[name]:
-                own = best[name]
+                shortest = best[name]
                 for k, args in enumerate(arguments):
                     start = clock()
                     way(*args)
-                    own[k] = min(own[k], clock() - start)
+                    shortest[k] = min(shortest[k], clock() - start)
     return best
 
 

@@ -77,8 +77,8 @@ class Equilibria:
         if failed.size:
             i = int(failed[0])
             rest = f", and {failed.size - 1} more rows fail" if failed.size > 1 else ""
-            said = Outcome(int(self.outcome[i])).explain(float(self.load_factor[i]))
-            raise InputError(f"{self.loads.where(i)}: {said}{rest}; lower the load or leave the row out")
+            outcome = Outcome(int(self.outcome[i])).explain(float(self.load_factor[i]))
+            raise InputError(f"{self.loads.where(i)}: {outcome}{rest}; lower the load or leave the row out")
         return self
 
     def __repr__(self) -> str:
@@ -128,12 +128,12 @@ def _followed(
     while (which := np.flatnonzero((factor < 1.0) & (step >= _SMALLEST_LOAD_STEP))).size:
         aim = np.minimum(factor[which] + step[which], 1.0)
         guess = unknown[:, which] + slope[:, which] * (aim - factor[which])
-        found, there, verdict = _newton(chosen(p, which), rows.select(which).grown_to(aim), guess)
+        found, reached, verdict = _newton(chosen(p, which), rows.select(which).grown_to(aim), guess)
         good = verdict == Outcome.STABLE
         outcome[which] = verdict
         done = which[good]
         slope[:, done] = (found - unknown[:, which])[:, good] / (aim - factor[which])[good]
-        unknown[:, done], pose[:, done], factor[done] = found[:, good], there[:, good], aim[good]
+        unknown[:, done], pose[:, done], factor[done] = found[:, good], reached[:, good], aim[good]
         step[which] *= np.where(good, 2.0, 0.5)
     pose[:, outcome != Outcome.STABLE] = np.nan
     return Equilibria(pose.T.copy(), outcome, factor, loads), unknown
@@ -152,12 +152,12 @@ def _newton(p: Parameters, rows: Loads, unknown: Array) -> tuple[Array, Array, N
     unit = np.array([[EI / L**2], [EI / L**2], [EI / L]])
     far = np.array(_FAR)[:, None] * [[L], [L], [1.0]]
     for _ in range(_ITERATIONS):
-        step, here, by_unknown, stable = _shoot(chosen(p, active), rows.select(active), unknown[:, active])
+        step, miss, by_unknown, stable = _shoot(chosen(p, active), rows.select(active), unknown[:, active])
         size = np.abs(step / unit).max(axis=0)
         outcome[active[~stable]] = Outcome.UNSTABLE
         unknown[:, active] += step
         move = np.einsum("ijn,jn->in", by_unknown, step)
-        pose[:, active] = here + move
+        pose[:, active] = miss + move
         done = stable & (size < _CONVERGED)
         outcome[active[done]] = Outcome.STABLE
         go_on = stable & ~done & (size < 0.5 * last[active]) & (np.abs(move) < far).all(axis=0)

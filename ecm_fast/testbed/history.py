@@ -150,13 +150,13 @@ def _histories(begins: NDArray[np.bool_]) -> Iterator[NDArray[np.int64]]:
 def _last_pulled(loads: Measurements, begins: NDArray[np.bool_], straight: Array, lengths: Array) -> Array:
     """Which way each tendon last moved, (2, n); rows with one pose_id in succession count as one."""
     pulled = np.zeros_like(lengths)
-    before, here, way = straight, straight, np.zeros(2)
+    before, now, way = straight, straight, np.zeros(2)
     for i in range(loads.n):
         if begins[i]:
-            before, here, way = straight, straight, np.zeros(2)
+            before, now, way = straight, straight, np.zeros(2)
         same = not begins[i] and loads.pose_id[i] != "" and loads.pose_id[i] == loads.pose_id[i - 1]
         if not same:
-            before, here = here, lengths[:, i]
-            way = np.where(here == before, way, np.sign(before - here))
+            before, now = now, lengths[:, i]
+            way = np.where(now == before, way, np.sign(before - now))
         pulled[:, i] = way
     return pulled

@@ -178,8 +178,8 @@ def _camera(use: Sensors, pose: Array, elapsed: Array, rng: np.random.Generator,
     turned = [use.camera_scale * (c * x + s * z), use.camera_scale * (c * z - s * x), theta + use.camera_rotation]
     seen = np.column_stack(turned) + use.camera_offset + elapsed[:, None] * use.camera_drift
     noise = _neighboring(use, _white(use, pose.shape, rng))
-    astray = stray.random(len(pose)) < use.outlier_share
-    noise += astray[:, None] * use.outlier_size * stray.choice([-1.0, 1.0], pose.shape)
+    outliers = stray.random(len(pose)) < use.outlier_share
+    noise += outliers[:, None] * use.outlier_size * stray.choice([-1.0, 1.0], pose.shape)
     seen += noise * use.camera_sigma
     return np.column_stack([_rounded(*column) for column in zip(seen.T, use.camera_resolution, strict=True)])
 
@@ -194,8 +194,8 @@ def _white(use: Sensors, shape: tuple[int, ...], rng: np.random.Generator) -> Ar
 def _neighboring(use: Sensors, white: Array) -> Array:
     """Noise of unit variance, correlated from row to row."""
     noise = white.copy()
-    for before, here, new in zip(noise[:-1], noise[1:], white[1:], strict=True):
-        here[:] = use.correlation * before + math.sqrt(1.0 - use.correlation**2) * new
+    for before, current, new in zip(noise[:-1], noise[1:], white[1:], strict=True):
+        current[:] = use.correlation * before + math.sqrt(1.0 - use.correlation**2) * new
     return noise
 
 

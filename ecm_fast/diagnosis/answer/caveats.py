@@ -80,17 +80,17 @@ def stiffness_caveats(
 
 def _doubts(calibration: Mapping[str, Estimate], mechanism: Mechanism, tested: Container[str]) -> Iterator[str]:
     for name in STIFFNESSES:
-        found, given = calibration[name], float(getattr(mechanism.beam, name))
-        off, share = found.value - given, found.std / found.value
-        own = f"{given:.4g} {found.unit}"
+        found, stated = calibration[name], float(getattr(mechanism.beam, name))
+        off, share = found.value - stated, found.std / found.value
+        value = f"{stated:.4g} {found.unit}"
         if share > _LOOSE:
             yield (f"these loads fix {name} to no better than {share:.0%}: {found.rounded}, where the mechanism file "
-                   f"has {own}; give what a material test says (--prior {name} VALUE STD), or measure side forces or "
+                   f"has {value}; give what a material test says (--prior {name} VALUE STD), or measure side forces or "
                    f"other loads")  # fmt: skip
-        elif name not in tested and abs(off) > max(_FAR * found.std, _MUCH * given):
+        elif name not in tested and abs(off) > max(_FAR * found.std, _MUCH * stated):
             yield (f"calibration moves {name} to {found.rounded}, {abs(off) / found.std:.0f} standard deviations "
-                   f"({off / given:+.0%}) from the {own} of the mechanism file: check that number, or what takes its "
-                   f"place")  # fmt: skip
+                   f"({off / stated:+.0%}) from the {value} of the mechanism file: check that number, or what takes "
+                   f"its place")  # fmt: skip
 
 
 def alarms(found: Selection) -> tuple[str, ...]:
@@ -106,20 +106,20 @@ def _priors(found: Selection) -> Iterator[str]:
         free = information.copy()
         free[i, i] -= std**-2
         with np.errstate(all="ignore"):
-            own = np.linalg.pinv(free, hermitian=True)
-            offset = (fit.values[i] - center) * (1.0 + own[i, i] / std**2)
-            off = offset / np.sqrt(own[i, i] + std**2)
+            covariance = np.linalg.pinv(free, hermitian=True)
+            offset = (fit.values[i] - center) * (1.0 + covariance[i, i] / std**2)
+            off = offset / np.sqrt(covariance[i, i] + std**2)
         if abs(off) > _ALARM:
-            yield _away(find(problem.keys[i]), center, std, center + offset, float(np.sqrt(own[i, i])), abs(off))
+            yield _away(find(problem.keys[i]), center, std, center + offset, float(np.sqrt(covariance[i, i])), abs(off))
 
 
 def _away(entry: Quantity, center: float, std: float, wanted: float, doubt: float, off: float) -> str:
-    prior, own = (Estimate(value, sd, value, value, entry.unit) for value, sd in ((center, std), (wanted, doubt)))
+    prior, fitted = (Estimate(value, sd, value, value, entry.unit) for value, sd in ((center, std), (wanted, doubt)))
     known = f"{off:.1f} standard deviations, of fit and test together, from {prior.rounded}"
     least = max(entry.lower, 0.0)
     if wanted <= least and entry.key in STIFFNESS_KEYS:
         return f"without any effect no physical {entry.name} fits the data: they want it to be none, {known}"
-    return f"without any effect the data want {entry.name} = {own.rounded}, {known}"
+    return f"without any effect the data want {entry.name} = {fitted.rounded}, {known}"
 
 
 def _range(found: Selection) -> Iterator[str]:

@@ -39,13 +39,13 @@ def claims(found: Selection, without: Mapping[int, Fit]) -> tuple[Claim, ...]:
     for i, rest in without.items():
         candidate = candidates[i]
         keys = {key: fit.keys.index(key) for key in candidate.keys}
-        own = {find(key).name: _estimate(fit, at, found) for key, at in keys.items()}
+        fitted = {find(key).name: _estimate(fit, at, found) for key, at in keys.items()}
         others, chance = _look_alikes(models, names, fit.model.index(i), found)
         answer.append(
             Claim(
                 name=candidate.name,
-                parameters={name: entry.value for name, entry in own.items()},
-                interval={name: (entry.lower, entry.upper) for name, entry in own.items()},
+                parameters={name: entry.value for name, entry in fitted.items()},
+                interval={name: (entry.lower, entry.upper) for name, entry in fitted.items()},
                 look_alikes=others,
                 mirror=candidate.effect.mirror,
                 family=candidate.effect.family,
@@ -61,16 +61,16 @@ def _look_alikes(
 ) -> tuple[tuple[str, ...], float]:
     """Return the names that stand in for one of the best explanation, and that one's own chance."""
     weights = np.exp(-0.5 * np.array([model.behind for model in models]))
-    others, own = list[str](), 0.0
+    others, unshared = list[str](), 0.0
     for model, weight in zip(models, weights, strict=True):
         if names[place] in model.names:
-            own += float(weight)
+            unshared += float(weight)
             continue
         new = [name for name in model.names if name not in names]
         stays = [name for name in names if name in model.names]
         others += new if stays else [_nearest(new, names, place, found)]
     unique = tuple(dict.fromkeys(name for name in others if name))
-    return unique, own / float(weights.sum())
+    return unique, unshared / float(weights.sum())
 
 
 def _nearest(new: list[str], names: tuple[str, ...], place: int, found: Selection) -> str:

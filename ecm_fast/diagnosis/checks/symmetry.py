@@ -143,10 +143,10 @@ def parity(
     if residual is not None and np.shape(residual) != (data.n, 3):
         raise InputError(f"residual has shape {np.shape(residual)}: allowed is ({data.n}, 3)")
     rng = np.random.default_rng(seed)
-    there = data.measured.any(axis=0)
-    whole = np.flatnonzero(data.measured[:, there].all(axis=1) & there.any())
+    measured = data.measured.any(axis=0)
+    whole = np.flatnonzero(data.measured[:, measured].all(axis=1) & measured.any())
     data, residual = _without_blanks(data.select(whole)), None if residual is None else np.asarray(residual)[whole]
-    residual = None if residual is None else np.where(there, residual, 0.0)
+    residual = None if residual is None else np.where(measured, residual, 0.0)
     tests = (_odd(data, rng), _even(data, residual, rng), _path(data, rng), _drift(data, rng))
     return Parity({test.name: test for test in tests}, alpha)
 
@@ -228,10 +228,10 @@ def _ordered(pairs: Places, sign: Places) -> tuple[Places, Places]:
 
 def _moved(loads: Array, pose: Array, place: Places, to: Array) -> Array:
     """Return the poses of some rows as they would be at slightly other loads."""
-    there = smooth(loads, pose, np.concatenate([loads[place], to]))
-    if there is None:
+    smoothed = smooth(loads, pose, np.concatenate([loads[place], to]))
+    if smoothed is None:
         return pose[place]
-    moved: Array = pose[place] + there[len(place) :] - there[: len(place)]
+    moved: Array = pose[place] + smoothed[len(place) :] - smoothed[: len(place)]
     return moved
 
 

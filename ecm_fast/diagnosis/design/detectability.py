@@ -94,13 +94,13 @@ def informative_loads(view: Linearization) -> tuple[tuple[str, ...], Array]:
     The loads at hand count along; nuisances, calibration above all, are fitted to both.
     """
     problem, pool = view.problem, Pool.from_add_ons()
-    there = _problem(view, pool)
+    pool_problem = _problem(view, pool)
     sizes = [candidate.keys[0] for candidate in problem.candidates]
-    solver = there.solver(list(dict.fromkeys([*sizes, *problem.tolerances])))
-    at = [view.values.get(key, float(own)) for key, own in
-          zip(solver.names, there.start(solver.names), strict=True)]  # fmt: skip
+    solver = pool_problem.solver(list(dict.fromkeys([*sizes, *problem.tolerances])))
+    at = [view.values.get(key, float(value)) for key, value in
+          zip(solver.names, pool_problem.start(solver.names), strict=True)]  # fmt: skip
     state = solver.at(np.array(at))
-    weights = there.weights(there.noise(state), state, solver.names)
+    weights = pool_problem.weights(pool_problem.noise(state), state, solver.names)
     by = np.where(state.stable[:, None, None], np.nan_to_num(weights.whitening @ state.by), 0.0)
     calibrated, free, readings = len(problem.keys), view.free.shape[1], 3 * len(view.rows)
     spread = np.array([candidate.spread[0] for candidate in problem.candidates])
@@ -111,11 +111,11 @@ def informative_loads(view: Linearization) -> tuple[tuple[str, ...], Array]:
     place = {key: i for i, key in enumerate(solver.names)}
     columns[:, :, free:] = by[:, :, [place[candidate.keys[0]] for candidate in problem.candidates]] * spread
     priors = np.zeros((len(view.free) - readings, len(spread)))
-    here = np.hstack([view.free, np.vstack([view.flat(view.sizes), priors])])
-    ways = {name: columns[np.isin(pool.add_on, own)] for name, own in GROUPS.items()}
+    information = np.hstack([view.free, np.vstack([view.flat(view.sizes), priors])])
+    ways = {name: columns[np.isin(pool.add_on, add_ons)] for name, add_ons in GROUPS.items()}
     if (tests := _material_tests(problem)).size:
         ways[MATERIAL_TESTS] = np.pad(tests, ((0, 0), (0, columns.shape[2] - calibrated)))
-    found = np.array([_sigmas(here, more, free) for more in ways.values()])
+    found = np.array([_sigmas(information, columns_of, free) for columns_of in ways.values()])
     best = np.argmax(found, axis=0)
     return tuple(np.array(list(ways))[best].tolist()), found.max(axis=0)
 
@@ -139,14 +139,14 @@ def _problem(view: Linearization, pool: Pool) -> Problem:
         columns[name] = np.full(loads.n, 0.0 if seen.any() else np.nan)
         sigma = view.cleaned.scale[i] * np.median(read[seen, i]) if seen.any() else np.nan
         columns[f"sigma_{name}"] = np.full(loads.n, sigma)
-    told = replace(loads, **columns)
-    return Problem(problem.mechanism, [told], problem.candidates, dict.fromkeys(problem.keys, np.inf), {},
+    loads_with_noise = replace(loads, **columns)
+    return Problem(problem.mechanism, [loads_with_noise], problem.candidates, dict.fromkeys(problem.keys, np.inf), {},
                    force_sigma=float(np.median(view.noise.force)), seed=0)  # fmt: skip
 
 
-def _sigmas(here: Array, more: Array, free: int) -> Array:
+def _sigmas(information: Array, added: Array, free: int) -> Array:
     """Return the norms of what the first `free` columns leave of the others, (k,)."""
-    columns = np.vstack([here, more.reshape(-1, here.shape[1])])
+    columns = np.vstack([information, added.reshape(-1, information.shape[1])])
     size = np.sqrt((columns[:, :free] ** 2).sum(axis=0))
     q, _ = np.linalg.qr(columns[:, :free][:, size > 0.0] / size[size > 0.0])
     kept = columns[:, free:] - q @ (q.T @ columns[:, free:])

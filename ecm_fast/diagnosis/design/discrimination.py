@@ -67,11 +67,11 @@ class DiscriminationDesign:
         """Refit a pair's rival; return c, b and G of its sum of squares c - 2 b p + p G p: now, then for each load."""
         i, j = self.pairs[pair]
         true, rival = self.rivals[i], self.rivals[j]
-        told = [_told(true.mechanism, part, self.sigma) for part in self.data]
-        fit = fit_parameters([FitSet(self.adapted[pair], part) for part in told], rival.free, priors=self.priors,
+        predicted = [_predicted(true.mechanism, part, self.sigma) for part in self.data]
+        fit = fit_parameters([FitSet(self.adapted[pair], part) for part in predicted], rival.free, priors=self.priors,
                              force_sigma=self.force)  # fmt: skip
         self.adapted[pair] = fit.mechanism
-        c, b, gram = self._sums(told, fit.mechanism, rival.free)
+        c, b, gram = self._sums(predicted, fit.mechanism, rival.free)
         total = c.sum(axis=0, keepdims=True), b.sum(axis=0), gram.sum(axis=0)
         for place, name in enumerate(rival.free):
             if name in self.priors:
@@ -81,16 +81,16 @@ class DiscriminationDesign:
                 total[2][place, place] += by**2
                 total[1][place] += by * off
                 total[0][0] += off**2
-        free = _told(true.mechanism, self.blank, self.sigma)
-        more = self._sums([free], fit.mechanism, rival.free)
-        b, gram = (np.concatenate([one[None], other]) for one, other in zip(total[1:], more[1:], strict=True))
-        return np.concatenate([total[0], more[0]]), b, gram
+        free = _predicted(true.mechanism, self.blank, self.sigma)
+        after = self._sums([free], fit.mechanism, rival.free)
+        b, gram = (np.concatenate([one[None], other]) for one, other in zip(total[1:], after[1:], strict=True))
+        return np.concatenate([total[0], after[0]]), b, gram
 
     def _sums(
-        self, told: Sequence[Measurements], mechanism: Mechanism, free: tuple[str, ...]
+        self, predicted: Sequence[Measurements], mechanism: Mechanism, free: tuple[str, ...]
     ) -> tuple[Array, Array, Array]:
         """Return c (n,), b (n, p) and G (n, p, p) of what one explanation says and another one fits."""
-        sets = [FitSet(mechanism, part) for part in told]
+        sets = [FitSet(mechanism, part) for part in predicted]
         rows = FitRows(sets, free, common_mesh(sets)[0])
         state = rows.at(pack(mechanism)[rows.places])
         used = rows.wanted & state.stable[:, None]
@@ -114,12 +114,14 @@ class DiscriminationDesign:
         """Take the load that buys most per minute until the time is used, or all are apart."""
         hopeful = self._hopeful(minutes)
         self.open = hopeful if hopeful.any() else ~hopeful
-        before, own = self.now(), np.array(self.pool.add_on)
+        before, add_on = self.now(), np.array(self.pool.add_on)
         apart = np.sqrt(self.then(repeats)[self.open].min(axis=0, initial=_LARGEST))
-        alone = {name: float(apart[(own == name) & self.feasible].max(initial=0.0)) for name in dict.fromkeys(own)}
+        alone = {
+            name: float(apart[(add_on == name) & self.feasible].max(initial=0.0)) for name in dict.fromkeys(add_on)
+        }
         mounted, spent, taken, now = {"nothing"}, 0.0, list[int](), before
         while self.open.any() and now[self.open].min() < ENOUGH**2:
-            cost = np.array([self.pool.minutes(i, mounted, repeats) for i in range(len(own))])
+            cost = np.array([self.pool.minutes(i, mounted, repeats) for i in range(len(add_on))])
             allowed = self.feasible & (cost <= minutes - spent)
             gain = (_confusion(now[self.open, None]) - _confusion(self.then(repeats)[self.open])) / cost
             best = int(np.argmax(np.where(allowed, gain, -np.inf)))
@@ -165,7 +167,7 @@ class DiscriminationDesign:
 
     def _longer(self, minutes: float) -> str:
         """Return how long it would take to tell any of the explanations apart, where the time there is will not do."""
-        enough = next((minutes * more for more in _LONGER if self._hopeful(minutes * more).any()), None)
+        enough = next((minutes * times for times in _LONGER if self._hopeful(minutes * times).any()), None)
         if enough is None:
             return f"no load here brings any two of them {_HOPE:g} sigma apart, however often it is read"
         return f"{minutes:g} minutes bring no two of them {_HOPE:g} sigma apart; {enough:g} would"
@@ -198,8 +200,8 @@ def _notes(rivals: Sequence[Rival]) -> tuple[str, ...]:
 
 def _stiffness(true: Rival, rival: Rival) -> dict[str, float]:
     """Return stiffnesses from which the rival adapts: the true one's, its own where those ran away as good as rigid."""
-    there, own = pack(true.mechanism), pack(rival.mechanism)
-    known = {name: (float(there[index(name)]), float(own[index(name)])) for name in STIFFNESSES}
+    of_true, of_rival = pack(true.mechanism), pack(rival.mechanism)
+    known = {name: (float(of_true[index(name)]), float(of_rival[index(name)])) for name in STIFFNESSES}
     return {name: other if value > _RIGID * other else value for name, (value, other) in known.items()}
 
 
@@ -214,7 +216,7 @@ def _filled(data: Measurements) -> Measurements:
     return replace(data, x=np.zeros(data.n), z=np.zeros(data.n), theta=np.zeros(data.n))
 
 
-def _told(mechanism: Mechanism, data: Measurements, sigma: Array) -> Measurements:
+def _predicted(mechanism: Mechanism, data: Measurements, sigma: Array) -> Measurements:
     """Return what an explanation says of the loads of measurements, without noise, where these have readings."""
     pose = _at(mechanism, (), [data]).pose
     kept = data.measured if data.measured.any() else np.ones((data.n, 3), dtype=bool)

@@ -63,13 +63,17 @@ class Pool:
             if name not in ADD_ONS:
                 raise InputError(f"add-on {name!r}: allowed are {', '.join(ADD_ONS)}{did_you_mean(str(name), ADD_ONS)}")
             change = ADD_ONS[name][0]
-            more = (change.get("extra_mass", 0.0), change.get("tilt", 0.0))
+            mass_and_tilt = (change.get("extra_mass", 0.0), change.get("tilt", 0.0))
             if name == "wrench":
-                own = [(0.0, 0.0, *wrench, *more) for wrench in product(_FX, _FZ, _TAU) if any(wrench)]
+                loads = [(0.0, 0.0, *wrench, *mass_and_tilt) for wrench in product(_FX, _FZ, _TAU) if any(wrench)]
             else:
-                own = [(a, b, 0.0, 0.0, 0.0, *more) for a, b in product(_TENSION, _TENSION) if max(a, b) <= lam_max]
-            rows += own
-            names += [name] * len(own)
+                loads = [
+                    (a, b, 0.0, 0.0, 0.0, *mass_and_tilt)
+                    for a, b in product(_TENSION, _TENSION)
+                    if max(a, b) <= lam_max
+                ]
+            rows += loads
+            names += [name] * len(loads)
         if not rows:
             raise InputError("no add-on to choose from; allowed are " + ", ".join(ADD_ONS))
         return cls(np.array(rows), tuple(names))

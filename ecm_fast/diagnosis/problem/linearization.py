@@ -83,7 +83,7 @@ class Linearization:
         toleranced = [key for key in problem.tolerances if key not in sizes]
         solver = problem.solver((*sizes, *more, *toleranced), problem.open)
         at = problem.start(solver.names)
-        at = np.array([values.get(key, float(own)) for key, own in zip(solver.names, at, strict=True)])
+        at = np.array([values.get(key, float(value)) for key, value in zip(solver.names, at, strict=True)])
         problem.progress.step(problem.open.size, "derivatives by all effects")
         state = solver.at(at).among(problem.rows.n, problem.open)
         use = state.stable
@@ -145,7 +145,7 @@ class Linearization:
         """Effect of calibration: columns (n, 3, p), and its priors' rows (q, p) with their residuals (q,)."""
         problem, size = self.problem, len(self.problem.keys)
         columns = np.concatenate([self.by[:, :, :size], self.hidden], axis=2)
-        now = [self.values.get(key, float(own)) for key, own in
+        now = [self.values.get(key, float(value)) for key, value in
                zip(problem.keys, problem.start(problem.keys), strict=True)]  # fmt: skip
         off, slope = problem.prior.rows(np.array(now))
         shifts = columns.shape[2] - size
@@ -212,9 +212,9 @@ class Linearization:
 
     def flat(self, values: Array) -> Array:
         """Return whitened values (n, 3, ...) with noise of one size and without memory, (3 n, ...)."""
-        more = (1,) * (values.ndim - 2)
-        scaled = values / self.cleaned.scale.reshape(1, 3, *more)
-        scaled = np.where(self.used.reshape(len(self.rows), 3, *more), scaled, 0.0)
+        axes = (1,) * (values.ndim - 2)
+        scaled = values / self.cleaned.scale.reshape(1, 3, *axes)
+        scaled = np.where(self.used.reshape(len(self.rows), 3, *axes), scaled, 0.0)
         return self.chain.innovations(scaled, self.cleaned.memory).reshape(3 * len(self.rows), *values.shape[2:])
 
     @cached_property
@@ -240,10 +240,10 @@ class Linearization:
         if not self.model:
             return self.residual, self.free, self.gram
         j = self.further.shape[2]
-        own = np.concatenate([self.sizes[:, :, list(self.model)], self.further], axis=2)
+        effects = np.concatenate([self.sizes[:, :, list(self.model)], self.further], axis=2)
         below = len(self.nuisances[1])
-        columns = np.vstack([self.flat(own), np.zeros((below, own.shape[2])), np.eye(own.shape[2])[-j:] if j else
-                             np.zeros((0, own.shape[2]))])  # fmt: skip
+        k = effects.shape[2]
+        columns = np.vstack([self.flat(effects), np.zeros((below, k)), np.eye(k)[-j:] if j else np.zeros((0, k))])
         pad = len(columns) - len(self.free)
         free = np.hstack([np.vstack([self.free, np.zeros((pad, self.free.shape[1]))]), columns])
         offsets = [

@@ -105,8 +105,8 @@ class Problem:
 
     def solver(self, extra: Sequence[str], rows: NDArray[np.int64] | None = None) -> FitRows:
         """Return rows, default all, as functions of what calibration moves and of `extra` parameters."""
-        own = [key for key in extra if key not in self.keys]
-        return FitRows(self.sets, (*self.keys, *own), self.mesh, rows)
+        added = [key for key in extra if key not in self.keys]
+        return FitRows(self.sets, (*self.keys, *added), self.mesh, rows)
 
     def keys_of(self, model: Sequence[int]) -> list[str]:
         """Return the keys of all parameters of the candidates at these places."""
@@ -115,8 +115,8 @@ class Problem:
     def state(self, extra: Sequence[str], values: Mapping[str, float]) -> State:
         """Return all rows at values by key; what is not among them is as in the mechanism."""
         solver = self.solver(extra)
-        own = zip(solver.names, self.start(solver.names).tolist(), strict=True)
-        return solver.at(np.array([values.get(key, start) for key, start in own]))
+        starts = zip(solver.names, self.start(solver.names).tolist(), strict=True)
+        return solver.at(np.array([values.get(key, start) for key, start in starts]))
 
     def by(self, rows: NDArray[np.int64]) -> "Problem":
         """Return the same with `rows`, places that rise, the only ones that a search looks at."""
@@ -168,8 +168,8 @@ class Problem:
         each = self.drift * np.concatenate([by_camera, dpose_dlam * force[:, None, None]], axis=2)
         files = [self.rows.member == i for i, part in enumerate(self.data) if part.n >= _SHORT]
         elapsed = np.zeros((len(files), self.rows.n))
-        for column, here in zip(elapsed, files, strict=True):
-            column[here] = np.linspace(0.0, 1.0, int(here.sum()))
+        for column, in_file in zip(elapsed, files, strict=True):
+            column[in_file] = np.linspace(0.0, 1.0, int(in_file.sum()))
         if len(files) > _FEW:
             elapsed = elapsed.sum(axis=0, keepdims=True)
         found = np.concatenate([each[:, :, :0], *(each * column[:, None, None] for column in elapsed)], axis=2)

@@ -32,8 +32,8 @@ class Progress:
         self._steps += 1
         self._say(f", {rows} rows, step {self._steps}: {what}")
 
-    def _say(self, more: str) -> None:
+    def _say(self, text: str) -> None:
         if self._tell is not None:
             share = (self._stage + self._steps / (self._steps + _HALF)) / len(STAGES)
             bar = tqdm.format_meter(share, 1.0, 0.0, ncols=_BAR + 2, ascii=".#", bar_format="[{bar}]")
-            self._tell(f"{bar} {STAGES[self._stage]}{more}")
+            self._tell(f"{bar} {STAGES[self._stage]}{text}")

@@ -60,7 +60,7 @@ def _loads(data: Sequence[Measurements]) -> Array:
     return np.concatenate(parts)
 
 
-def _of_loads(loads: Array, fit: NDArray[np.bool_], here: NDArray[np.bool_]) -> list[Array]:
+def _of_loads(loads: Array, fit: NDArray[np.bool_], group: NDArray[np.bool_]) -> list[Array]:
     count = int(fit.sum()) // _ROWS_PER_TERM
     if count < 1:
         return []
@@ -73,15 +73,15 @@ def _of_loads(loads: Array, fit: NDArray[np.bool_], here: NDArray[np.bool_]) -> 
         if len(terms) + len(new) > count:
             break
         terms += new
-    return [np.where(here, term, 0.0) for term in terms]
+    return [np.where(group, term, 0.0) for term in terms]
 
 
-def _of_order(here: NDArray[np.bool_], rows: NDArray[np.bool_]) -> list[Array]:
-    if int((here & rows).sum()) < 5 * _ROWS_PER_TERM:
+def _of_order(group: NDArray[np.bool_], rows: NDArray[np.bool_]) -> list[Array]:
+    if int((group & rows).sum()) < 5 * _ROWS_PER_TERM:
         return []
-    t = np.zeros(here.size)
-    t[here] = np.linspace(-1.0, 1.0, int(here.sum()))
-    return [np.where(here, t**degree, 0.0) for degree in range(1, _DRIFT + 1)]
+    t = np.zeros(group.size)
+    t[group] = np.linspace(-1.0, 1.0, int(group.sum()))
+    return [np.where(group, t**degree, 0.0) for degree in range(1, _DRIFT + 1)]
 
 
 def _of_settling(data: Sequence[Measurements], rows: NDArray[np.bool_]) -> list[Array]:

@@ -52,8 +52,8 @@ class Residuals:
         """Return the residuals of all rows in these states, and of the mechanism as it is given."""
         blank = np.where(problem.wanted, problem.rows.measured, np.nan)
         given = problem.state((), {}).pose
-        own = {name: blank - state.pose for name, state in (without or {}).items()}
-        return cls(blank - given, blank - before.pose, blank - after.pose, weights, scale, own)
+        lacking = {name: blank - state.pose for name, state in (without or {}).items()}
+        return cls(blank - given, blank - before.pose, blank - after.pose, weights, scale, lacking)
 
     def whitened(self, residual: Array) -> Array:
         """Return residuals in units of the noise, (n, 3), nan where there is none."""

@@ -53,9 +53,9 @@ class Transfer(HoldoutMisfit):
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the entry of ``transfer`` in a diagnosis's JSON."""
-        own = {name: getattr(self, name) for name in ("allowed", "adapted", "left_out", "carries_over", "proves")}
+        verdicts = {name: getattr(self, name) for name in ("allowed", "adapted", "left_out", "carries_over", "proves")}
         rivals = [{"name": name, "after": left, "carries_over": left <= self.allowed} for name, left in self.rivals]
-        return {**super().to_json_dict(), **own, "rivals": rivals}
+        return {**super().to_json_dict(), **verdicts, "rivals": rivals}
 
 
 def not_carried(found: Sequence[Transfer], names: Sequence[str]) -> tuple[str, ...]:
@@ -66,12 +66,12 @@ def not_carried(found: Sequence[Transfer], names: Sequence[str]) -> tuple[str, .
 def _missed(entry: Transfer, names: Sequence[str]) -> str:
     what = " with ".join(names) or "The calibrated model"
     without = f" ({entry.before.sigma:.3g} without it)" if names else ""
-    own = "EA, GA, EI and its size" if names else "EA, GA and EI"
-    moved = f"With {own} moved within their doubt {entry.adapted:.3g} are left"
+    refitted = "EA, GA, EI and its size" if names else "EA, GA and EI"
+    moved = f"With {refitted} moved within their doubt {entry.adapted:.3g} are left"
     if entry.adapted <= entry.allowed:
         moved = f"{moved}: they are not known well enough to tell, so this refutes nothing yet"
     rivals = [f"{name} ({left:.3g})" for name, left in entry.rivals]
-    meets = [said for said, (_, left) in zip(rivals, entry.rivals, strict=True) if left <= entry.allowed]
+    meets = [rival for rival, (_, left) in zip(rivals, entry.rivals, strict=True) if left <= entry.allowed]
     others = f" None of the next best would: {', '.join(rivals)}." if rivals else ""
     if meets:
         others = f" Of the next best, {' and '.join(meets)} would."
@@ -101,8 +101,10 @@ def _others(entry: Transfer) -> str:
     """Return what becomes there of the next best explanations."""
     meets = [f"{name} ({left:.3g})" for name, left in entry.rivals if left <= entry.allowed]
     misses = [f"{name} ({left:.3g})" for name, left in entry.rivals if left > entry.allowed]
-    said = f" So {'do' if len(meets) > 1 else 'does'} {' and '.join(meets)}, not refuted by this file." if meets else ""
-    return said + (f" It refutes {' and '.join(misses)}." if misses else "")
+    sentence = (
+        f" So {'do' if len(meets) > 1 else 'does'} {' and '.join(meets)}, not refuted by this file." if meets else ""
+    )
+    return sentence + (f" It refutes {' and '.join(misses)}." if misses else "")
 
 
 def _short(entry: Transfer) -> str:

@@ -54,13 +54,13 @@ def _fit(
 
     def residuals(moved: Array) -> tuple[Array, Array] | None:
         values, slope = scales.values(moved), scales.slope(moved)
-        there = rows.at(values)
-        if not there.stable[use].all():
+        moved_state = rows.at(values)
+        if not moved_state.stable[use].all():
             return None
-        off = np.where(used, measured - there.pose[use], 0.0)
-        by = -(whitening @ there.by[use]).reshape(-1, len(values))
-        own, by_prior = problem.prior.rows(values)
-        return np.concatenate([(whitening @ off[:, :, None]).ravel(), own]), np.vstack([by, by_prior]) * slope
+        off = np.where(used, measured - moved_state.pose[use], 0.0)
+        by = -(whitening @ moved_state.by[use]).reshape(-1, len(values))
+        by_priors, by_prior = problem.prior.rows(values)
+        return np.concatenate([(whitening @ off[:, :, None]).ravel(), by_priors]), np.vstack([by, by_prior]) * slope
 
     first, limits = scales.moved(start), scales.bounds(*bounds)
     return scales.values(

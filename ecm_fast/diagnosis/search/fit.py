@@ -79,18 +79,18 @@ def refit(view: Linearization, model: tuple[int, ...], start: Mapping[str, float
     p, shifts = len(solver.names), view.hidden.shape[2]
     calibrated = len(problem.keys)
     prior = problem.prior.extended(
-        [own for member in members for own in member.start], [std for member in members for std in member.spread]
+        [value for member in members for value in member.start], [std for member in members for std in member.spread]
     )
     by_shift = np.eye(shifts, p + shifts, p)
     lower, upper = solver.bounds()
     plain = problem.start(solver.names)
-    first = np.array([start.get(key, float(own)) for key, own in zip(solver.names, plain, strict=True)])
+    first = np.array([start.get(key, float(value)) for key, value in zip(solver.names, plain, strict=True)])
     reach = _FAR * prior.std[calibrated:]
     first[calibrated:] = np.clip(
         first[calibrated:], prior.center[calibrated:] - reach, prior.center[calibrated:] + reach
     )
     shift = view.flat(view.hidden)
-    whitening, here = view.whitening, view.state.pose[view.rows]
+    whitening, pose = view.whitening, view.state.pose[view.rows]
 
     scales, tried = Scales.from_start(solver.names, plain), 0
     least = np.inf
@@ -102,16 +102,16 @@ def refit(view: Linearization, model: tuple[int, ...], start: Mapping[str, float
         state = solver.at(values) if tried <= (_MOST if least < limit else _FEW) else None
         if state is None or not state.stable.all():
             return None
-        moved = (whitening @ (here - state.pose)[:, :, None])[:, :, 0]
+        moved = (whitening @ (pose - state.pose)[:, :, None])[:, :, 0]
         off = view.flat(view.cleaned.residual + moved) - shift @ all_moved[p:]
         by = -np.hstack([view.flat(whitening @ np.ascontiguousarray(state.by)), shift])
-        own, by_own = prior.rows(values)
+        from_prior, by_prior = prior.rows(values)
         least = min(least, float(off @ off))
-        by = np.vstack([by, np.pad(by_own, ((0, 0), (0, shifts))), by_shift])
-        return np.concatenate([off, own, all_moved[p:]]), by * np.concatenate([slope, np.ones(shifts)])
+        by = np.vstack([by, np.pad(by_prior, ((0, 0), (0, shifts))), by_shift])
+        return np.concatenate([off, from_prior, all_moved[p:]]), by * np.concatenate([slope, np.ones(shifts)])
 
     wide = np.full(shifts, np.inf)
-    at_view = np.array([view.values.get(key, float(own)) for key, own in zip(solver.names, plain, strict=True)])
+    at_view = np.array([view.values.get(key, float(value)) for key, value in zip(solver.names, plain, strict=True)])
     no_effect = np.concatenate([at_view[:calibrated], plain[calibrated:]])
     for values in (first, *(at_view + share * (first - at_view) for share in _NEARER), no_effect):
         begin, tried = np.concatenate([scales.moved(np.clip(values, lower, upper)), np.zeros(shifts)]), 0
@@ -133,14 +133,14 @@ def _judged(found: Minimum, view: Linearization, model: tuple[int, ...], keys: t
     values, vectors = np.linalg.eigh(normal)
     covariance = (vectors / np.maximum(values, 1e-12)) @ vectors.T / np.outer(scale, scale)
     spread = np.array([std for member in members for std in member.spread])
-    own = covariance[calibrated:p, calibrated:p] / np.outer(spread, spread)
+    posterior = covariance[calibrated:p, calibrated:p] / np.outer(spread, spread)
     evidence = -found.total
-    if own.size:
-        evidence += float(np.linalg.slogdet(own)[1])
+    if posterior.size:
+        evidence += float(np.linalg.slogdet(posterior)[1])
         sizes = np.cumsum([0, *(len(member.keys) for member in members)])[:-1]
-        start = np.array([own for member in members for own in member.start])
+        start = np.array([value for member in members for value in member.start])
         size = ((found.values[calibrated:p] - start) / spread)[sizes]
-        std = np.sqrt(np.diag(own))[sizes]
+        std = np.sqrt(np.diag(posterior))[sizes]
         evidence += float(size_factor(size, std, np.array([member.one_sided for member in members])).sum())
     slope = scales.slope(found.values[:p])
     covariance = covariance[:p, :p] * np.outer(slope, slope)

@@ -41,7 +41,7 @@ def _scanned(view: Linearization) -> dict[str, tuple[float, float]]:
     keys = [key for candidate in chosen for key in candidate.keys[:2]]
     solver = problem.solver([*problem.keys_of(view.model), *keys], view.rows)
     column = {key: n for n, key in enumerate(solver.names)}
-    at = np.array([view.values.get(key, float(own)) for key, own in
+    at = np.array([view.values.get(key, float(value)) for key, value in
                    zip(solver.names, problem.start(solver.names), strict=True)])  # fmt: skip
     best, found = gram.singles()[0][places], dict[str, tuple[float, float]]()
     for step in _STEPS:

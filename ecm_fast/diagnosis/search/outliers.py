@@ -39,8 +39,8 @@ def drop_single_row_alarms(view: Linearization, alpha: float, seed: int) -> tupl
             gates = reduced.gates(alpha, seed)
         if not any(gate.alarm for gate in gates):
             whole, rest = view.rest[2], reduced.rest[2]
-            astray = whole.left - rest.left - _ASTRAY * dropped
-            named = dropped and largest_evidence(view) > astray
+            as_outliers = whole.left - rest.left - _ASTRAY * dropped
+            named = dropped and largest_evidence(view) > as_outliers
             return (view, first) if named else (reduced, gates)
     return view, first
 
@@ -61,8 +61,8 @@ def _worst(view: Linearization, *, smooth: bool) -> tuple[int, float]:
 def _without(view: Linearization, row: int) -> Linearization:
     """Return the view with one more of its rows left out, the cleaned residuals of the others kept."""
     kept = np.arange(len(view.rows)) != row
-    own, rows = view.cleaned, view.rows[kept]
-    cleaned = replace(own, residual=own.residual[kept], outlier=own.outlier[kept])
+    before, rows = view.cleaned, view.rows[kept]
+    cleaned = replace(before, residual=before.residual[kept], outlier=before.outlier[kept])
     lost = np.append(view.outliers, view.rows[row])
     return replace(view, rows=rows, chain=view.problem.chain(rows), cleaned=cleaned, outliers=lost)
 

@@ -99,9 +99,9 @@ def fit_models(view: Linearization, models: Iterable[tuple[int, ...]], known: di
     for _ in range(_AGAIN):
         if not fits or fits[0].settled:
             break
-        more = refit(view, fits[0].model, fits[0].by_key())
-        gain = fits[0].total - more.total
-        fits = _ranked([more, *fits[1:]], view) if gain > 0.0 else fits
+        again = refit(view, fits[0].model, fits[0].by_key())
+        gain = fits[0].total - again.total
+        fits = _ranked([again, *fits[1:]], view) if gain > 0.0 else fits
         if gain < _GAIN:
             break
     return fits

@@ -126,8 +126,8 @@ def _pairs_of(few: Selection, found: Fits) -> list[Fit]:
     """
     view, _, fits = found
     first, pairs = fits[0].model[0], view.gram.pairs()
-    own = (pairs.first == first) | (pairs.second == first)
-    seen = own & (view.gram.norm[pairs.first] > 0.0) & (view.gram.norm[pairs.second] > 0.0)
+    with_first = (pairs.first == first) | (pairs.second == first)
+    seen = with_first & (view.gram.norm[pairs.first] > 0.0) & (view.gram.norm[pairs.second] > 0.0)
     evidence = np.where(seen, pairs.evidence, -np.inf)
     order = np.argsort(-evidence)[:_MOST]
     models = [(int(pairs.first[n]), int(pairs.second[n])) for n in order

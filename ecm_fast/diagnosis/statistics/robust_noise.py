@@ -61,9 +61,9 @@ class RowOrder:
 
     def slowness(self, columns: Array) -> float:
         """Return how alike neighboring rows are in columns (3 n, q), on average over their directions: at most 1."""
-        own = orthonormal(columns)
-        rows, here = own.reshape(self.before.size, 3, -1), np.flatnonzero(self.before >= 0)
-        return float((rows[here] * rows[self.before[here]]).sum() / max(own.shape[1], 1))
+        basis = orthonormal(columns)
+        rows, later = basis.reshape(self.before.size, 3, -1), np.flatnonzero(self.before >= 0)
+        return float((rows[later] * rows[self.before[later]]).sum() / max(basis.shape[1], 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,20 +254,20 @@ def _memory(unit: Array, good: Mask, q: Array, chain: RowOrder) -> tuple[float, 
     By moments: with M what the fit leaves of the noise and A half of one for neighbors, e'Ae / e'e is in the mean
     (tr MA + 2 r tr MAMA) / (tr M + 2 r tr MA) for a small correlation r.
     """
-    here = np.flatnonzero((chain.before >= 0) & (chain.gap == 1))
-    there = chain.before[here]
-    both = good[here] & good[there]
+    later = np.flatnonzero((chain.before >= 0) & (chain.gap == 1))
+    earlier = chain.before[later]
+    both = good[later] & good[earlier]
     if int(both.sum()) < _FEWEST_PAIRS:
         return 0.0, 0.0
     rows = q.reshape(*unit.shape, -1)
-    beside = np.zeros_like(rows)
-    beside[here] += 0.5 * rows[there] * both[:, :, None]
-    beside[there] += 0.5 * rows[here] * both[:, :, None]
-    flat, own = beside.reshape(unit.size, -1), q.T @ beside.reshape(unit.size, -1)
-    first = -float(np.trace(own))
-    second = 0.5 * float(both.sum()) - 2.0 * float((flat**2).sum()) + float((own**2).sum())
+    neighbors = np.zeros_like(rows)
+    neighbors[later] += 0.5 * rows[earlier] * both[:, :, None]
+    neighbors[earlier] += 0.5 * rows[later] * both[:, :, None]
+    flat, fitted = neighbors.reshape(unit.size, -1), q.T @ neighbors.reshape(unit.size, -1)
+    first = -float(np.trace(fitted))
+    second = 0.5 * float(both.sum()) - 2.0 * float((flat**2).sum()) + float((fitted**2).sum())
     squares, dof = float((unit[good] ** 2).sum()), float(good.sum()) - q.shape[1]
-    ratio = float((unit[here] * unit[there] * both).sum()) / max(squares, 1e-300)
+    ratio = float((unit[later] * unit[earlier] * both).sum()) / max(squares, 1e-300)
     slope = 2.0 * (second - ratio * first)
     if second <= 0.0 or slope <= 0.0:
         return 0.0, 0.0

@@ -68,18 +68,18 @@ def condense_chain(stations, tip, q_rest, basis, turn, stretch, con):
     load_x, load_z = 0.0, 0.0  # of all elements beyond
     applies = tip[T_FURTHER] == 0.0 and tip[T_CHORDS] == 0.0
     for e in range(n - 1, -1, -1):
-        own = stations[e * p : (e + 1) * p]
+        element = stations[e * p : (e + 1) * p]
         j = e % COLUMNS
         points = con[i + e // COLUMNS * p * N_BEAM : i + (e // COLUMNS + 1) * p * N_BEAM]
         compliance = 0.0
         for g in range(p):
-            row, w, inv_h = own[g], own[g, S_WEIGHT], own[g, S_INV_H]
+            row, w, inv_h = element[g], element[g, S_WEIGHT], element[g, S_INV_H]
             applies = applies and plain_section(row) and row[S_HOOKE] == stations[0, S_HOOKE]
             beyond_x, beyond_z = load_x, load_z
             for k in range(p):
-                share = own[k, S_WEIGHT] * turn[k, g] / (inv_h * w)
-                beyond_x += share * own[k, S_LOAD_X]
-                beyond_z += share * own[k, S_LOAD_Z]
+                share = element[k, S_WEIGHT] * turn[k, g] / (inv_h * w)
+                beyond_x += share * element[k, S_LOAD_X]
+                beyond_z += share * element[k, S_LOAD_Z]
             compliance += w / row[S_EI]
             point = points[g * N_BEAM + j :]
             point[B_WEIGHT], point[B_SCALE] = w, 1.0 / (row[S_EA] * HALF)
@@ -88,8 +88,8 @@ def condense_chain(stations, tip, q_rest, basis, turn, stretch, con):
             point[B_BEND] = w * row[S_EI] * inv_h * inv_h
             point[B_CURVED] = w * row[S_EI] * row[S_KAPPA0] * inv_h
         for k in range(p):
-            load_x += own[k, S_WEIGHT] * own[k, S_LOAD_X]
-            load_z += own[k, S_WEIGHT] * own[k, S_LOAD_Z]
+            load_x += element[k, S_WEIGHT] * element[k, S_LOAD_X]
+            load_z += element[k, S_WEIGHT] * element[k, S_LOAD_Z]
         points[B_UNIT + j] = compliance
         points[B_RATIO + j] = next_compliance / compliance if e < n - 1 else 1.0
         next_compliance = compliance

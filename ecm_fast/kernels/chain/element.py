@@ -62,7 +62,7 @@ def assemble(con, p, points, block, j, dense):
     dense[:] = 0.0
     derivative = C_BASIS + p * (p + 1)
     for g in range(p):
-        row, own = points[g * N_BEAM :], block[N_ENDS + g * N_SAMPLES :]
+        row, samples = points[g * N_BEAM :], block[N_ENDS + g * N_SAMPLES :]
         bend = row[B_BEND + j]
         turn = con[derivative + g * (p + 1) + p] * block[E_RIGHT + j]
         for a in range(p):
@@ -71,10 +71,10 @@ def assemble(con, p, points, block, j, dense):
         for a in range(p + 1):
             i = a - 1 if 0 < a < p else p - 1 + a // p
             n, d = con[C_BASIS + g * (p + 1) + a], con[derivative + g * (p + 1) + a]
-            dense[i, p + 1] += d * couple + n * own[G_RES + j]
-            dense[i, p + 2] += n * own[G_X + j]
-            dense[i, p + 3] += n * own[G_Z + j]
-            slope = n * own[G_SLOPE + j]
+            dense[i, p + 1] += d * couple + n * samples[G_RES + j]
+            dense[i, p + 2] += n * samples[G_X + j]
+            dense[i, p + 3] += n * samples[G_Z + j]
+            slope = n * samples[G_SLOPE + j]
             for b in range(p + 1):
                 k = b - 1 if 0 < b < p else p - 1 + b // p
                 if k >= i:

@@ -125,14 +125,14 @@ def _elements(con, state, p, n):
     for first in range(0, n, COLUMNS):
         points = con[first_point : first_point + p * N_BEAM]
         block = state[first_block : first_block + N_ENDS + p * N_SAMPLES]
-        own = min(COLUMNS, n - first)
-        m = min(COLUMNS, (own + 7) // 8 * 8)  # whole vectors; the rest of a row has no weight
+        count = min(COLUMNS, n - first)
+        m = min(COLUMNS, (count + 7) // 8 * 8)  # whole vectors; the rest of a row has no weight
         if p == 1:
             linear_elements(con, points, block, m, state)
         else:
             for g in range(p):
                 samples(con, points[g * N_BEAM :], block[N_ENDS + g * N_SAMPLES :], m, state)
-            for j in range(own):
+            for j in range(count):
                 dense = state[dense_at : dense_at + (p + 1) * (p + 4)].reshape(p + 1, p + 4)
                 assemble(con, p, points, block, j, dense)
                 eliminate_inner(p, points, block, j, dense, state)

@@ -186,8 +186,8 @@ def turn_back(con, state, p, n, turned, step_x, step_z):
     for k in range(n_blocks - 1, -1, -1):
         first_block -= N_ENDS + p * N_SAMPLES
         block = state[first_block : first_block + N_ENDS + p * N_SAMPLES]
-        own = min(COLUMNS, n - k * COLUMNS)
-        for j in range(own - 1, -1, -1):
+        count = min(COLUMNS, n - k * COLUMNS)
+        for j in range(count - 1, -1, -1):
             block[E_RIGHT + j] = right
             step_right = turned
             turned = _less(
@@ -199,9 +199,9 @@ def turn_back(con, state, p, n, turned, step_x, step_z):
             square = turned * turned
             largest = square if square > largest else largest
         if p > 1:
-            for j in range(own - 1, -1, -1):
+            for j in range(count - 1, -1, -1):
                 dense_at -= (p + 1) * (p + 4)
                 dense = state[dense_at : dense_at + (p + 1) * (p + 4)].reshape(p + 1, p + 4)
                 largest = max(largest, recover(p, block, j, dense, step_x, step_z))
-            angles(con, p, block, own)
+            angles(con, p, block, count)
     return largest

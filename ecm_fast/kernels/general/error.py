@@ -37,14 +37,14 @@ def _refine(tables, halves, stations, q, fine, strains):
     p = tables.shape[1]
     fine[:3] = q[:3]
     for e in range(stations.shape[0] // (2 * p)):
-        own = q[3 * p * e : 3 * p * (e + 1) + 3]
+        q_e = q[3 * p * e : 3 * p * (e + 1) + 3]
         length = 1.0 / stations[2 * p * e, S_INV_H]
         for g in range(p):
             dx, dz, theta = 0.0, 0.0, 0.0
             for a in range(p + 1):
-                dx += tables[1, g, a] * own[3 * a]
-                dz += tables[1, g, a] * own[3 * a + 1]
-                theta += tables[0, g, a] * own[3 * a + 2]
+                dx += tables[1, g, a] * q_e[3 * a]
+                dz += tables[1, g, a] * q_e[3 * a + 1]
+                theta += tables[0, g, a] * q_e[3 * a + 2]
             s, c = sincos(theta)
             strains[g, 0], strains[g, 1] = 0.5 * (dx * c - dz * s) / length, 0.5 * (dx * s + dz * c) / length
         for half in range(2):
@@ -52,7 +52,7 @@ def _refine(tables, halves, stations, q, fine, strains):
             for a in range(1, p + 1):
                 node, angle = first + 3 * a, 0.0
                 for b in range(p + 1):
-                    angle += halves[half, a, b] * own[3 * b + 2]
+                    angle += halves[half, a, b] * q_e[3 * b + 2]
                 fine[node], fine[node + 1], fine[node + 2] = fine[first], fine[first + 1], angle
             for g in range(p):
                 gamma_x, gamma_z, theta = 0.0, 0.0, 0.0
@@ -109,5 +109,5 @@ def tip_errors(tables, halves, mesh, nodes, par, loads, q, status, system, error
             prepare(par[i], mesh, nodes, stations, tip, q_rest)
         error[i] = np.nan
         if status[i] <= UNSTABLE:
-            own = work[2 * m + N_LOADS :]
-            error[i] = tip_error(tables, halves, stations, tip, loads[i], q[i], fine, work[:m], own)
+            rest = work[2 * m + N_LOADS :]
+            error[i] = tip_error(tables, halves, stations, tip, loads[i], q[i], fine, work[:m], rest)

@@ -78,8 +78,8 @@ def newton_step(tables, stations, tip, loads, q, work, step, K_tip):
     first_row = 0
     for e in range(stations.shape[0] // n_gauss):
         _open_front(front, res, K_tip)
-        own = stations[e * n_gauss : (e + 1) * n_gauss]
-        element(tables, own, loads, q[first_row : first_row + m], res, front, room)
+        points = stations[e * n_gauss : (e + 1) * n_gauss]
+        element(tables, points, loads, q[first_row : first_row + m], res, front, room)
         clamped = 3 if e == 0 else 0
         if e == 0 and tip[T_FURTHER] != 0.0:
             clamped = 0

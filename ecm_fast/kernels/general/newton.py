@@ -195,8 +195,8 @@ def _first_order(tables, stations, tip, before, loads, q, work, step, out):
     step[:] = 0.0
     for e in range(stations.shape[0] // n_gauss):
         first = e * (m - 3)
-        own = stations[e * n_gauss : (e + 1) * n_gauss]
-        element_residual(tables, own, loads, q[first : first + m], step[first : first + m])
+        points = stations[e * n_gauss : (e + 1) * n_gauss]
+        element_residual(tables, points, loads, q[first : first + m], step[first : first + m])
     tip_wrench(tip, loads, q[n - 3], q[n - 2], q[n - 1], work[:3], work[3:9])
     for i in range(3):
         step[n - 3 + i] -= work[i]

@@ -64,10 +64,10 @@ def _with_guides(station, loads, gamma_x, gamma_z, kappa, law):
     """Add the tendons that guides hold at the section: tension times the stretch |t| of their paths is their energy."""
     N, Q, M, N_x, N_z, N_k, Q_z, Q_k, M_k = law
     for i in range(int(station[S_GUIDES].real)):
-        own = station[S_GUIDE + N_GUIDE * i : S_GUIDE + N_GUIDE * (i + 1)]
-        tension = loads[int(own[0].real)] * own[3] + loads[L_GRAVITY] * own[4]
-        o = own[1]
-        t_x, t_z = gamma_x + o * kappa, gamma_z + own[2]
+        guide = station[S_GUIDE + N_GUIDE * i : S_GUIDE + N_GUIDE * (i + 1)]
+        tension = loads[int(guide[0].real)] * guide[3] + loads[L_GRAVITY] * guide[4]
+        o = guide[1]
+        t_x, t_z = gamma_x + o * kappa, gamma_z + guide[2]
         inv = 1.0 / np.sqrt(t_x * t_x + t_z * t_z)
         e_x, e_z, pull = t_x * inv, t_z * inv, tension * inv
         N, Q, M = N + tension * e_x, Q + tension * e_z, M + tension * o * e_x

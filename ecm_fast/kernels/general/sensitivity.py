@@ -113,13 +113,13 @@ def _lagrange_by_stiffness(basis, stations, loads, q, W, by_EA, by_GA, by_EI):
     for i in range(stations.shape[0]):
         station, g = stations[i], i % n_gauss
         first = (m - 3) * (i // n_gauss)
-        own, w, inv_h = q[first : first + m], station[S_WEIGHT], station[S_INV_H]
+        q_e, w, inv_h = q[first : first + m], station[S_WEIGHT], station[S_INV_H]
         dx, dz, theta, dtheta = 0.0, 0.0, 0.0, 0.0
         for a in range(m // 3):
-            dx += basis[1, g, a] * own[3 * a]
-            dz += basis[1, g, a] * own[3 * a + 1]
-            theta += basis[0, g, a] * own[3 * a + 2]
-            dtheta += basis[1, g, a] * own[3 * a + 2]
+            dx += basis[1, g, a] * q_e[3 * a]
+            dz += basis[1, g, a] * q_e[3 * a + 1]
+            theta += basis[0, g, a] * q_e[3 * a + 2]
+            dtheta += basis[1, g, a] * q_e[3 * a + 2]
         s, c = sincos(theta)
         gamma_x, gamma_z, kappa = inv_h * (dx * c - dz * s), inv_h * (dx * s + dz * c), inv_h * dtheta
         N = section_law(station, loads, gamma_x, gamma_z, kappa)[0]
@@ -189,8 +189,8 @@ def residual_change(tables, stations, tip, q_rest, loads, q, reaction, q_complex
     if _changes(stations.reshape(stations.size)) or _changes(q_complex[:3]):
         for e in range(stations.shape[0] // n_gauss):
             first = e * (m - 3)
-            own = stations[e * n_gauss : (e + 1) * n_gauss]
-            element_residual(tables, own, loads, q_complex[first : first + m], res[first : first + m])
+            points = stations[e * n_gauss : (e + 1) * n_gauss]
+            element_residual(tables, points, loads, q_complex[first : first + m], res[first : first + m])
     for i in range(3):
         if tip[T_CLAMP_X + i].real > 0.0:
             rest = tip[T_CLAMP_TILT] if i == 2 else 0.0 * tip[T_CLAMP_TILT]
@@ -257,8 +257,8 @@ def pose_sensitivities(
                 if stiffness[k] >= 0:
                     by[i, :, stiffness[k]] = spare[k]
         for k in range(which.shape[0]):
-            own = c_stations[k], c_tip[k], c_q_rest[k]
-            turned = residual_change(tables, *own, loads[i], q[i], step[:3], c_q, c_res, c_K)
+            c_system = c_stations[k], c_tip[k], c_q_rest[k]
+            turned = residual_change(tables, *c_system, loads[i], q[i], step[:3], c_q, c_res, c_K)
             for row in range(3):
                 total = turned.imag if row == 2 else 0.0
                 for a in range(q.shape[1]):

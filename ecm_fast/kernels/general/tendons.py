@@ -76,19 +76,19 @@ def tendon_lengths(basis, stations, tip, q, length, gradient, gain):
         w, inv_h = station[S_WEIGHT], station[S_INV_H]
         gamma_x, gamma_z, kappa = inv_h * (dx * c - dz * s), inv_h * (dx * s + dz * c), inv_h * dtheta
         for k in range(int(station[S_GUIDES].real)):
-            own = station[S_GUIDE + N_GUIDE * k : S_GUIDE + N_GUIDE * (k + 1)]
-            t = _tendon_of(int(own[0].real))
-            t_x, t_z = gamma_x + own[1] * kappa, gamma_z + own[2]
+            guide = station[S_GUIDE + N_GUIDE * k : S_GUIDE + N_GUIDE * (k + 1)]
+            t = _tendon_of(int(guide[0].real))
+            t_x, t_z = gamma_x + guide[1] * kappa, gamma_z + guide[2]
             stretch = np.sqrt(t_x * t_x + t_z * t_z)
             e_x, e_z = t_x / stretch, t_z / stretch
             length[t] = w * stretch + (length[t] if length[t] == length[t] else 0.0)
-            gain[t] = own[3]
+            gain[t] = guide[3]
             n_x, n_z, couple = e_x * c + e_z * s, e_z * c - e_x * s, e_z * gamma_x - e_x * gamma_z
             for a in range(n_a):
                 value, slope, j = w * basis[0, g, a], w * inv_h * basis[1, g, a], first + 3 * a
                 gradient[t, j] += slope * n_x
                 gradient[t, j + 1] += slope * n_z
-                gradient[t, j + 2] += value * couple + slope * own[1] * e_x
+                gradient[t, j + 2] += value * couple + slope * guide[1] * e_x
     x, z, theta = q[n - 3], q[n - 2], q[n - 1]
     s, c = sincos(theta)
     for i in range(2):
@@ -102,12 +102,12 @@ def tendon_lengths(basis, stations, tip, q, length, gradient, gain):
         gradient[i, n - 3], gradient[i, n - 2], gradient[i, n - 1] = -e_x, -e_z, r_x * e_z - r_z * e_x
         gain[i] = tip[T_GAIN_L + i]
     for i in range(int(tip[T_CHORDS].real)):
-        own = tip[T_CHORD + N_CHORD * i : T_CHORD + N_CHORD * (i + 1)]
-        t = _tendon_of(int(own[0].real))
+        anchors = tip[T_CHORD + N_CHORD * i : T_CHORD + N_CHORD * (i + 1)]
+        t = _tendon_of(int(anchors[0].real))
         e_x, e_z, free, r_x, r_z = chord(tip, i, x, z, s, c)
-        length[t] = _chord_length(own[3], own[1], tip[T_LENGTH], e_x, e_z, free, own[5])
+        length[t] = _chord_length(anchors[3], anchors[1], tip[T_LENGTH], e_x, e_z, free, anchors[5])
         gradient[t, n - 3], gradient[t, n - 2], gradient[t, n - 1] = -e_x, -e_z, r_x * e_z - r_z * e_x
-        gain[t] = own[6]
+        gain[t] = anchors[6]
 
 
 @kernel

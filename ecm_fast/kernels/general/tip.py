@@ -103,9 +103,9 @@ def _head_wrench(tip, loads, x, z, theta, wrench, K):
 @kernel
 def chord(tip, i, x, z, s, c):
     """A chord beside the first two tendons: e_x, e_z, free length, and lever from Q in world axes."""
-    own = tip[at.T_CHORD + at.N_CHORD * i : at.T_CHORD + at.N_CHORD * (i + 1)]
-    r_x, r_z = own[1] * c + own[2] * s, own[2] * c - own[1] * s
-    e_x, e_z, free = tendon(own[3] - x - r_x, own[4] - z - r_z, own[5])
+    anchors = tip[at.T_CHORD + at.N_CHORD * i : at.T_CHORD + at.N_CHORD * (i + 1)]
+    r_x, r_z = anchors[1] * c + anchors[2] * s, anchors[2] * c - anchors[1] * s
+    e_x, e_z, free = tendon(anchors[3] - x - r_x, anchors[4] - z - r_z, anchors[5])
     return e_x, e_z, free, r_x, r_z
 
 
@@ -113,8 +113,8 @@ def chord(tip, i, x, z, s, c):
 def _add_chords(tip, loads, x, z, s, c, wrench, K, shortest):
     """Add the chords beside the first two tendons to wrench and stiffness; returns the shortest free length so far."""
     for i in range(int(tip[at.T_CHORDS].real)):
-        own = tip[at.T_CHORD + at.N_CHORD * i : at.T_CHORD + at.N_CHORD * (i + 1)]
-        lam = loads[int(own[0].real)] * own[6] + loads[at.L_GRAVITY] * own[7]
+        anchors = tip[at.T_CHORD + at.N_CHORD * i : at.T_CHORD + at.N_CHORD * (i + 1)]
+        lam = loads[int(anchors[0].real)] * anchors[6] + loads[at.L_GRAVITY] * anchors[7]
         if lam == 0.0:
             continue
         e_x, e_z, free, r_x, r_z = chord(tip, i, x, z, s, c)

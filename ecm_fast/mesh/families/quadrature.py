@@ -35,11 +35,11 @@ def lagrange(nodes: Array, places: Array) -> Array:
     Returns shape (2, n_places, n_nodes): values, derivatives.
     """
     out = np.empty((2, len(places), len(nodes)))
-    for a, own in enumerate(nodes):
+    for a, node in enumerate(nodes):
         others = np.delete(nodes, a)
-        out[0, :, a] = np.prod((places[:, None] - others) / (own - others), axis=1)
+        out[0, :, a] = np.prod((places[:, None] - others) / (node - others), axis=1)
         slopes = [
-            np.prod((places[:, None] - np.delete(others, k)) / (own - np.delete(others, k)), axis=1) / (own - other)
+            np.prod((places[:, None] - np.delete(others, k)) / (node - np.delete(others, k)), axis=1) / (node - other)
             for k, other in enumerate(others)
         ]
         out[1, :, a] = np.sum(slopes, axis=0)

@@ -169,8 +169,8 @@ def attachments(par: Array) -> tuple[Array, Array, Array]:
     """
     tips, stations, q_rest = np.empty((len(par), N_TIP)), np.empty((1, N_STATION)), np.empty(3)
     mesh, nodes = np.array([[0.5, 1.0, 1.0]]), np.zeros(1)
-    for own, tip in zip(par, tips, strict=True):
-        prepare(own, mesh, nodes, stations, tip, q_rest)
+    for vector, tip in zip(par, tips, strict=True):
+        prepare(vector, mesh, nodes, stations, tip, q_rest)
     attached = np.ascontiguousarray(tips[:, T_ATTACH_LX : T_ATTACH_LX + 4].reshape(-1, 2, 2))
     pulleys = np.ascontiguousarray(tips[:, T_PULLEY_LX : T_PULLEY_LX + 4].reshape(-1, 2, 2))
     straight, rest = np.array([[tips[0, T_LENGTH], 0.0, 0.0]]), np.empty((1, 2))

@@ -100,12 +100,12 @@ class MeasuringChain:
 
     def rows(self, par: Array) -> Array:
         """Return the parameter vectors of the rows, (1 or n, n_parameters), from the mechanism's (n_parameters,)."""
-        own = row_parameters(par, self.data)
+        by_row = row_parameters(par, self.data)
         if is_on_path(par):
-            rows = self._each(par, own)
-            self._history(par, own).apply(rows, self._only)
+            rows = self._each(par, by_row)
+            self._history(par, by_row).apply(rows, self._only)
             return rows
-        return par[None].copy() if own is None else own[self._only]
+        return par[None].copy() if by_row is None else by_row[self._only]
 
     def solve(self, par: Array, step_tol2: float, threads: int = 1) -> tuple[Array, NDArray[np.int64], Array]:
         """Return readings (n, 3) [m, m, rad], nan where there is no equilibrium, status and load factor, (n,) each."""
@@ -124,7 +124,7 @@ class MeasuringChain:
         InputError : as `row_parameters` does.
         """
         m, n = len(par), self.n
-        rows = np.concatenate([np.broadcast_to(self.rows(own), (n, par.shape[1])) for own in par])
+        rows = np.concatenate([np.broadcast_to(self.rows(vector), (n, par.shape[1])) for vector in par])
         lam, wrench = (np.tile(loads, (m, 1)) for loads in self._loads)
         result = solve_cases(self.mesh, None, rows, lam, wrench, step_tol2, 1)
         pose = result.pose
@@ -144,24 +144,26 @@ class MeasuringChain:
         rows, changes = self.rows(par), {}
         if inherited:
             changes = self._changes(par, inherited)
-        targets = [PARAMETERS[place].key for place in sorted({place for own in changes.values() for place in own})]
+        targets = [
+            PARAMETERS[place].key for place in sorted({place for change in changes.values() for place in change})
+        ]
         asked = [*dict.fromkeys([*(key for key in keys if key not in own_path), *targets])]
         found = sensitivities(self.mesh, asked, rows, *self._loads, step_tol2)
         self._see(rows, asked, found, always=bool(rows[:, _CAMERA].any()))
         if inherited:
-            own = {key: found.dpose_dpar[:, :, i] for i, key in enumerate(asked)}
-            columns = [self._inherited(own, changes[key]) if key in changes else own[key] for key in keys]
+            dpose = {key: found.dpose_dpar[:, :, i] for i, key in enumerate(asked)}
+            columns = [self._inherited(dpose, changes[key]) if key in changes else dpose[key] for key in keys]
             found = replace(found, dpose_dpar=np.stack(columns, axis=-1))
         return replace(found, names=tuple(names))
 
-    def _each(self, par: Array, own: Array | None) -> Array:
+    def _each(self, par: Array, by_row: Array | None) -> Array:
         """Return a vector for each row that is read, (n, n_parameters); `own`, where there are any, are of all rows."""
-        return np.tile(par, (self.n, 1)) if own is None else own[self._only].copy()
+        return np.tile(par, (self.n, 1)) if by_row is None else by_row[self._only].copy()
 
-    def _history(self, par: Array, own: Array | None) -> History:
+    def _history(self, par: Array, by_row: Array | None) -> History:
         """Follow the same mechanism without effects of the path along the record; the last one is remembered."""
         if self._followed is None or not np.array_equal(self._followed[0], par):
-            rows = par[None] if own is None else own
+            rows = par[None] if by_row is None else by_row
             pose = self._solve(rows, self._all_loads, _WITHOUT_MEMORY).pose
             self._followed = par.copy(), History.from_record(self.record, rows, pose)
         return self._followed[1]
@@ -177,8 +179,8 @@ class MeasuringChain:
 
     def _changes(self, par: Array, keys: Sequence[str]) -> dict[str, dict[int, Array]]:
         """Return how the rows' entries depend on the mechanism's: for each key the places and their slopes, (n,)."""
-        own = row_parameters(par, self.data)
-        history, base = self._history(par, own), self._each(par, own)
+        by_row = row_parameters(par, self.data)
+        history, base = self._history(par, by_row), self._each(par, by_row)
         changes = {}
         for key in keys:
             rows: Complex = base.astype(complex)
@@ -189,11 +191,11 @@ class MeasuringChain:
             changes[key] = {int(i): rows[:, i].imag / _STEP for i in np.flatnonzero(rows.imag.any(axis=0))}
         return changes
 
-    def _inherited(self, own: dict[str, Array], change: dict[int, Array]) -> Array:
+    def _inherited(self, dpose: dict[str, Array], change: dict[int, Array]) -> Array:
         """Return the readings' derivative by a parameter that acts through other entries, (n, 3)."""
         total = np.zeros((self.n, 3))
         for place, slope in change.items():
-            total += own[PARAMETERS[place].key] * slope[:, None]
+            total += dpose[PARAMETERS[place].key] * slope[:, None]
         return total
 
     def _see(self, rows: Array, keys: Sequence[str], found: Sensitivities, *, always: bool) -> None:

@@ -113,8 +113,8 @@ class RobotChain:
 
     def rows(self, par: Array) -> Array:
         """Return the parameter vectors of the rows, (1 or n, n_parameters), from the mechanism's (n_parameters,)."""
-        own = row_parameters(self._own(par), self._data)
-        return self._own(par)[None] if own is None else own[self._only]
+        by_row = row_parameters(self._own(par), self._data)
+        return self._own(par)[None] if by_row is None else by_row[self._only]
 
     def refine(self, par: Array, allowed: Array) -> Array:
         """Take a discretization whose error is allowed in every row; return the estimated errors, (n,).
@@ -122,10 +122,10 @@ class RobotChain:
         allowed : (n,) in rad and shares of the length
         """
         rows = self.rows(par)
-        _, loads, own, status, _ = self._solve(rows, _STEP_TOL2)
+        _, loads, vectors, status, _ = self._solve(rows, _STEP_TOL2)
         lam = loads[:, list(LAM_PLACES[: self._lam.shape[1]])]
         lam[status > Status.UNSTABLE] = self._lam[status > Status.UNSTABLE]
-        self.mesh, error = resolve(self.mesh, own, lam, self._wrench, allowed)
+        self.mesh, error = resolve(self.mesh, vectors, lam, self._wrench, allowed)
         return error
 
     def solve(self, par: Array, step_tol2: float, threads: int = 1) -> tuple[Array, NDArray[np.int64], Array]:
@@ -135,13 +135,13 @@ class RobotChain:
 
     def solve_many(self, par: Array, step_tol2: float) -> tuple[Array, NDArray[np.int64]]:
         """Return readings (w, n, c) and status (w, n) for many mechanisms (w, n_parameters)."""
-        found = [self.solve(own, step_tol2) for own in par]
+        found = [self.solve(vector, step_tol2) for vector in par]
         return np.stack([each[0] for each in found]), np.stack([each[1] for each in found])
 
     def sensitivities(self, names: Sequence[str], par: Array, step_tol2: float) -> Sensitivities:
         """Return readings and their derivatives; `pose` is (n, c), `jacobian` (n, c, m) by readings of force cells."""
         rows = self.rows(par)
-        q, loads, own, status, self._factor = self._solve(rows, step_tol2)
+        q, loads, vectors, status, self._factor = self._solve(rows, step_tol2)
         which = np.array([index(find(name).key) for name in names], dtype=np.int64)
         n, c, k, m = self.n, len(self.channels), len(which), self._lam.shape[1]
         pose, by, jacobian = np.full((n, c), np.nan), np.full((n, c, k), np.nan), np.full((n, c, m), np.nan)
@@ -151,7 +151,7 @@ class RobotChain:
         known = [*CHANNELS, *(f"{name}_{axis}" for name in places for axis in CHANNELS),
                  *(f"len_{name}" for name in self.tendons)]  # fmt: skip
         for i in np.flatnonzero(status <= Status.UNSTABLE):
-            vector = own[i] if len(own) > 1 else own[0]
+            vector = vectors[i] if len(vectors) > 1 else vectors[0]
             work.differentiate(self.mesh, vector, which, loads[i], q[i])
             compliance[i] = work.compliance
             for j, channel in enumerate(self.channels):
@@ -182,11 +182,11 @@ class RobotChain:
 
     def _places(self, par: Array) -> dict[str, tuple[int, int]]:
         """Return node and number of every marker by its name."""
-        own, nodes = self._own(par), self.mesh.nodes
+        vector, nodes = self._own(par), self.mesh.nodes
         found = {}
         for i, marker in self._markers:
-            place = own[FIRST_MARKER + MARKER.size * i + MARKER["place"]]
-            node = nodes.size - 1 if marker.on_head else int(np.argmin(np.abs(nodes - on_mesh(own, place))))
+            place = vector[FIRST_MARKER + MARKER.size * i + MARKER["place"]]
+            node = nodes.size - 1 if marker.on_head else int(np.argmin(np.abs(nodes - on_mesh(vector, place))))
             found[marker.name] = node, i
         return found
 
@@ -211,7 +211,7 @@ class RobotChain:
             x, z, angle = (par[first + MARKER[entry]] for entry in _FIXED)
             s, c = np.sin(q[3 * node + 2]), np.cos(q[3 * node + 2])
             ahead, across = x * c + z * s, z * c - x * s
-            own, by_theta, by_fixed = {
+            offset, by_theta, by_fixed = {
                 "x": (ahead, across, (c, s, 0.0)),
                 "z": (across, -ahead, (-s, c, 0.0)),
                 "theta": (angle, 1.0, (0.0, 0.0, 1.0)),
@@ -220,7 +220,7 @@ class RobotChain:
             by = work.by_par @ at_q
             for entry, slope in zip(_FIXED, by_fixed, strict=True):
                 by[which == first + MARKER[entry]] += slope
-            return float(q[place] + own), at_q, by
+            return float(q[place] + offset), at_q, by
         tendon = self.tendons.index(channel.removeprefix("len_"))
         return float(work.length[tendon]), work.gradient[tendon], work.length_by_par[:, tendon]
 

@@ -35,10 +35,10 @@ class Polynomial:
     @classmethod
     def gradient(cls, center: Array, energy: Array) -> Self:
         """Return the gradient of a polynomial in three variables: its coefficients (m,), one degree higher."""
-        own = exponents(3, degree_of(3, energy.size))
+        exponent_rows = exponents(3, degree_of(3, energy.size))
         below = {powers: i for i, powers in enumerate(exponents(3, degree_of(3, energy.size) - 1))}
         coefficients = np.zeros((3, len(below)))
-        for powers, term in zip(own, energy, strict=True):
+        for powers, term in zip(exponent_rows, energy, strict=True):
             for v in range(3):
                 if powers[v]:
                     lower = tuple(p - (i == v) for i, p in enumerate(powers))
@@ -105,11 +105,11 @@ def regression(
     InputError : the points do not determine the coefficients; says how many are needed, or what they do not show.
     """
     center, half = _box(points, names)
-    own = exponents(len(half), degree)
-    _check_count(len(points), len(own), degree)
+    exponent_rows = exponents(len(half), degree)
+    _check_count(len(points), len(exponent_rows), degree)
     A = monomials((points - center) / half, degree)
-    solution, condition = _least_squares(A * weights[:, None], values * weights[:, None], own, names)
-    return Polynomial(center, solution.T / np.prod(half ** np.array(own), axis=1)), condition
+    solution, condition = _least_squares(A * weights[:, None], values * weights[:, None], exponent_rows, names)
+    return Polynomial(center, solution.T / np.prod(half ** np.array(exponent_rows), axis=1)), condition
 
 
 def energy_regression(
@@ -121,9 +121,9 @@ def energy_regression(
     center. Otherwise as `regression`.
     """
     center, half = _box(points, names)
-    own = exponents(3, degree + 1)[1:]
-    _check_count(len(points), -(-len(own) // 3), degree)
-    powers, scaled = np.array(own), (points - center) / half
+    exponent_rows = exponents(3, degree + 1)[1:]
+    _check_count(len(points), -(-len(exponent_rows) // 3), degree)
+    powers, scaled = np.array(exponent_rows), (points - center) / half
     spread = np.std(values, axis=0)
     spread[spread == 0.0] = 1.0
     rows = []
@@ -132,7 +132,7 @@ def energy_regression(
         slope = powers[:, v] * np.prod(scaled[:, None, :] ** lower, axis=2)
         rows.append(slope * (weights[:, None] / (half[v] * spread[v])))
     right = (values / spread * weights[:, None]).T.reshape(-1, 1)
-    solution, condition = _least_squares(np.concatenate(rows), right, own, names)
+    solution, condition = _least_squares(np.concatenate(rows), right, exponent_rows, names)
     return center, np.concatenate([[0.0], solution[:, 0] / np.prod(half**powers, axis=1)]), condition
 
 

@@ -25,8 +25,8 @@ def stations(p: Parameters, mesh: Discretization, loads: Any = None) -> list[lis
     for first, last in pairwise(ends):
         places = [first + (1.0 + xi) / 2.0 * (last - first) for xi in points]
         along = [body_at(p, place * length(p)) for place in places]
-        own = [station(along[i], place, first, last - first, i, mesh.gauss) for i, place in enumerate(places)]
-        elements.append([at_place(at, s, loads) for at, s in zip(own, places, strict=True)])
+        sections = [station(along[i], place, first, last - first, i, mesh.gauss) for i, place in enumerate(places)]
+        elements.append([at_place(at, s, loads) for at, s in zip(sections, places, strict=True)])
     return elements
 
 

@@ -89,17 +89,17 @@ def guided(p: Parameters, s: Any) -> list[tuple[int, Any, Any]]:
     """
     found = []
     for i in range(1, MOST["tendon"] + 1):
-        own = {key.split(".")[1]: value for key, value in p.items() if key.startswith(f"tendon{i}.")}
-        last = own["ends_at"] if own["ends_at"] != 0.0 else length(p)
-        if ROUTES[int(np.real(own["route"]))] != "guided" or np.real(s) > np.real(last):
+        tendon = {key.split(".")[1]: value for key, value in p.items() if key.startswith(f"tendon{i}.")}
+        last = tendon["ends_at"] if tendon["ends_at"] != 0.0 else length(p)
+        if ROUTES[int(np.real(tendon["route"]))] != "guided" or np.real(s) > np.real(last):
             continue
-        points = [(own[f"place_{k}"], own[f"offset_{k}"]) for k in range(1, int(np.real(own["points"])) + 1)]
+        points = [(tendon[f"place_{k}"], tendon[f"offset_{k}"]) for k in range(1, int(np.real(tendon["points"])) + 1)]
         offset, slope = points[0][1], 0.0
         for (s0, o0), (s1, o1) in pairwise(points):
             if np.real(s0) <= np.real(s):
                 slope = (o1 - o0) / (s1 - s0) if np.real(s) < np.real(s1) else 0.0
                 offset = o0 + slope * (s - s0) if np.real(s) < np.real(s1) else o1
-        found.append((i - 1, offset + own["shift"], slope))
+        found.append((i - 1, offset + tendon["shift"], slope))
     return found
 
 
@@ -157,9 +157,9 @@ def at_place(p: Parameters, place: Any, loads: Any) -> Parameters:
     """Return a station's parameters with the guided tendons there: tension [N], offset [m] and slope of each."""
     if loads is None or p["tendon1.route"] == 0.0:
         return p
-    own = []
+    guides = []
     for i, offset, slope in guided(p, place * length(p)):
         reading = loads[i if i < 2 else 5 + i]
         tension = reading * (1.0 + p[f"tendon{i + 1}.gain"]) + loads[5] * p[f"tendon{i + 1}.zero"]
-        own.append((tension, offset, slope))
-    return {**p, "guides": own}
+        guides.append((tension, offset, slope))
+    return {**p, "guides": guides}

@@ -175,9 +175,9 @@ def station(p: Parameters, place: Any, begin: Any, share: Any, i: int, gauss: in
     compliance = max(1.0 + falls * size / (1.0 - size), 0.05, key=np.real)
     profile = (1.0 + p["effects.stiffness_taper"] * along) / compliance
     profile = profile * (1.0 + p["effects.bonded_ends.size"] * (np.exp(-place * fade) + np.exp((place - 1.0) * fade)))
-    own = {key: p[key] * profile for key in ("beam.EA", "beam.GA", "beam.EI")}
+    stiffness = {key: p[key] * profile for key in ("beam.EA", "beam.GA", "beam.EI")}
     cast = p["effects.precurvature"] + p["effects.precurvature_gradient"] * along
-    return {**p, **own, "effects.precurvature": cast}
+    return {**p, **stiffness, "effects.precurvature": cast}
 
 
 def covered(first: Any, last: Any, i: int, gauss: int) -> Any:

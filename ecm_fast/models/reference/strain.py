@@ -33,9 +33,9 @@ def strain_energy(stations: Sequence[Parameters], order: int, h: Any, q: Any, sh
     inner = np.zeros((gauss, 2), dtype=q.dtype)
     for k in range(1, order):
         inner = inner + np.outer(np.polynomial.legendre.Legendre.basis(k)(2.0 * points - 1.0), q[3 * k : 3 * k + 2])
-    missing = q[-3:-1] - q[0:2] - sum(w * R @ own for w, R, own in zip(weights, axes, inner, strict=True))
+    missing = q[-3:-1] - q[0:2] - sum(w * R @ shift for w, R, shift in zip(weights, axes, inner, strict=True))
     mean = np.linalg.solve(sum(w * R for w, R in zip(weights, axes, strict=True)), missing)
-    along = np.array([R @ (mean + own) for R, own in zip(axes, inner, strict=True)])
+    along = np.array([R @ (mean + shift) for R, shift in zip(axes, inner, strict=True)])
     # the polynomials that are 1 at one Gauss point, integrated by as many Gauss points between 0 and another: exact
     shares = np.array([upper * (weights @ lagrange(points, upper * points)[0]) for upper in points])
     places = q[0:2] + shares @ along

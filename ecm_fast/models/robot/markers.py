@@ -36,15 +36,15 @@ def marker_poses(mechanism: Mechanism, mesh: Discretization, par: Array, loads: 
     loads : (N_LOADS,) of the equilibrium; wanted : see `solution.NodalSolution`
     """
     ends = np.interp(np.cumsum([0.0, *mesh.shares]), np.linspace(0.0, 1.0, breaks(par).size), breaks(par))
-    own = pack(mechanism)
-    finer = Discretization.from_elements(divide(own, np.diff(ends)), mesh.order, mesh.gauss)
+    vector = pack(mechanism)
+    finer = Discretization.from_elements(divide(vector, np.diff(ends)), mesh.order, mesh.gauss)
     if wanted is not None:
-        found = by_length(finer, own, without_given(loads, wanted), wanted)
+        found = by_length(finer, vector, without_given(loads, wanted), wanted)
         status, q, turned = found.status, found.q, found.q[-1]
     else:
         stations, tip, q_rest, q, work = work_arrays(finer)
         out = np.empty(N_OUT)
-        prepare(own, finer.mesh, finer.nodes, stations, tip, q_rest)
+        prepare(vector, finer.mesh, finer.nodes, stations, tip, q_rest)
         status, turned = solve(finer.tables, stations, tip, q_rest, loads, q, work, out), out[O_THETA]
     if status > UNSTABLE:
         return np.full((len(mechanism.markers), 3), np.nan)
@@ -53,6 +53,6 @@ def marker_poses(mechanism: Mechanism, mesh: Discretization, par: Array, loads: 
         if marker.on_head:
             poses.append(moved_by_offset(marker, np.array([*nodes[-1, :2], turned])))
         else:
-            node = int(np.argmin(np.abs(finer.nodes - on_mesh(own, marker.place))))
+            node = int(np.argmin(np.abs(finer.nodes - on_mesh(vector, marker.place))))
             poses.append(moved_by_offset(marker, nodes[node]))
     return np.array(poses).reshape(-1, 3)

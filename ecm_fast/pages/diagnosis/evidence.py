@@ -158,8 +158,8 @@ def parameter_profiles(story: Story, priors: Mapping[str, tuple[float, float]]) 
             axes.grid(True)
         grid[0].set_ylabel("rise of the sum of squares")
         grid[0].legend()
-    told = "that was given" if priors else "of the paper's material tests"
-    caption = f"EA, GA and EI before and after, as parabolas of their standard deviations; gray: the value {told}."
+    source = "that was given" if priors else "of the paper's material tests"
+    caption = f"EA, GA and EI before and after, as parabolas of their standard deviations; gray: the value {source}."
     return Picture("parameters", caption, figure, columns)
 
 

@@ -131,9 +131,9 @@ def loops(story: Story) -> Picture | None:
         grid = figure.subplots(1, 2, sharey=True)
         for axes, k, name in zip(grid, (0, 1), ("left", "right"), strict=True):
             for sign, color, word in ((1, COLORS[1], "reached rising"), (-1, COLORS[0], "reached falling")):
-                here = rows & (side == sign)
-                axes.plot(story.lam[here, k], 1e3 * found.before[here, 2], ".", color=color, markersize=4.0, label=word,
-                          rasterized=int(here.sum()) > MANY)  # fmt: skip
+                part = rows & (side == sign)
+                axes.plot(story.lam[part, k], 1e3 * found.before[part, 2], ".", color=color, markersize=4.0, label=word,
+                          rasterized=int(part.sum()) > MANY)  # fmt: skip
             axes.set_xlabel(f"{name} tendon force [N]")
             axes.grid(True)
         grid[0].set_ylabel("gap in θ [mrad]")

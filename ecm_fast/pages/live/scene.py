@@ -175,9 +175,9 @@ def _within(lam: Array, slopes: Array, gap: Array, damping: float) -> Array:
     free = np.ones(2, dtype=bool)
     step = np.zeros(2)
     for _ in range(2):
-        own = slopes[:, free]
+        free_slopes = slopes[:, free]
         step[:] = 0.0
-        step[free] = np.linalg.solve(own.T @ own + damping * np.eye(free.sum()), own.T @ gap)
+        step[free] = np.linalg.solve(free_slopes.T @ free_slopes + damping * np.eye(free.sum()), free_slopes.T @ gap)
         out = (lam + step < 0.0) & (lam <= 0.0) | (lam + step > LAM_MAX) & (lam >= LAM_MAX)
         if not out.any():
             break
@@ -189,7 +189,7 @@ def _within(lam: Array, slopes: Array, gap: Array, damping: float) -> Array:
 
 def _place(wish: object) -> Array:
     given = wish if isinstance(wish, list) and len(wish) == 2 else []
-    numbers = [float(own) for own in given if type(own) in (int, float) and abs(own) <= 1e3]
+    numbers = [float(value) for value in given if type(value) in (int, float) and abs(value) <= 1e3]
     if len(numbers) != 2:
         raise InputError(f"wish = {shown(wish)}: allowed is a place [x, z] in metres")
     return np.array(numbers)

@@ -120,21 +120,21 @@ class Page:
         """End `serve`, from another thread."""
         self._server.shutdown()
 
-    def _admitted(self, own: socket.socket, *args: Any, **options: Any) -> Any:
+    def _admitted(self, client: socket.socket, *args: Any, **options: Any) -> Any:
         """Return a connection on a socket, or say why there is none and raise, so that the socket is closed."""
         with self._lock:
             self._sockets = [other for other in self._sockets if other.fileno() >= 0]
             full = len(self._sockets) >= _MOST
             if not full:
-                self._sockets.append(own)
+                self._sockets.append(client)
         if not full:
-            return self._connection(own, *args, **options)
+            return self._connection(client, *args, **options)
         text = f"{_MOST} connections are open, and no more are taken: close a page that shows this neck\n"
-        own.settimeout(_PARTING)
-        own.sendall(f"HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain; charset=utf-8\r\n"
+        client.settimeout(_PARTING)
+        client.sendall(f"HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain; charset=utf-8\r\n"
                     f"Content-Length: {len(text)}\r\nConnection: close\r\n\r\n{text}".encode())  # fmt: skip
-        own.shutdown(socket.SHUT_WR)
-        own.recv(_LONGEST)  # what is closed unread resets the connection, and the text is lost
+        client.shutdown(socket.SHUT_WR)
+        client.recv(_LONGEST)  # what is closed unread resets the connection, and the text is lost
         raise ConnectionRefusedError(text)
 
     def _answer(self, connection: Any, request: Any) -> Any:

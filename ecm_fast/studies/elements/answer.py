@@ -107,8 +107,8 @@ def _knowing(found: _Found) -> Iterator[str]:
                f"{_times(arcs, lines)} times the error of as many linear ones, {short(arcs.error)} for {_PAPER}; the "
                f"errors fall with the powers {found.power('SE(2)'):.2f} and {found.power('linear'):.2f} of the element "
                f"length, theory says 2.")  # fmt: skip
-    own = [((strain, 1, "even"), (lagrange, 1, "even")) for strain, lagrange in _STRAINS]
-    if ratios := [f"{_times(one, other)} ({one.candidate.kind})" for one, other in found.pairs(own)]:
+    kinds = [((strain, 1, "even"), (lagrange, 1, "even")) for strain, lagrange in _STRAINS]
+    if ratios := [f"{_times(one, other)} ({one.candidate.kind})" for one, other in found.pairs(kinds)]:
         yield (f"One element of polynomial strains leaves, beside the Lagrange element with as many unknowns, "
                f"{_joined(ratios)} times the error.")  # fmt: skip
     for higher, arcs in found.pairs([(("quadratic", _PAPER // 2, "even"), ("SE(2)", _PAPER, "even"))]):
@@ -121,10 +121,10 @@ def _knowing(found: _Found) -> Iterator[str]:
 
 def _uneven(found: _Found) -> Iterator[str]:
     for mesh in sorted(found.meshes):
-        own = [((kind, n, mesh), (kind, n, "even")) for kind in (*_ORDERS, "SE(2)") for n in (3, 4, 10)]
+        kinds = [((kind, n, mesh), (kind, n, "even")) for kind in (*_ORDERS, "SE(2)") for n in (3, 4, 10)]
         texts = [
             f"{one.candidate.elements} {one.candidate.kind} {short(one.error)} instead of {short(other.error)}"
-            for one, other in found.pairs(own)
+            for one, other in found.pairs(kinds)
         ]
         if texts:
             yield f"Elements {mesh} leave, beside as many equal ones: {'; '.join(texts)}."

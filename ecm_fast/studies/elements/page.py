@@ -82,10 +82,10 @@ def summary(study: ElementStudy) -> dict[str, Any]:
 
 
 def _row(row: Measured) -> dict[str, Any]:
-    own = row.candidate
+    candidate = row.candidate
     return {
-        **{name: getattr(own, name) for name in ("name", "family", "order", "gauss", "mesh", "elements")},
-        "shares": None if own.mesh == "even" else [length / sum(own.shares) for length in own.shares],
+        **{name: getattr(candidate, name) for name in ("name", "family", "order", "gauss", "mesh", "elements")},
+        "shares": None if candidate.mesh == "even" else [length / sum(candidate.shares) for length in candidate.shares],
         "unknowns": row.unknowns,
         **{name: _finite(getattr(row, name)) for name in ("error", "median", "position")},
         "worst": dict(zip(_LOADS, row.worst, strict=True)),
@@ -175,12 +175,12 @@ def _draw_kind(axes: Axes, rows: list[Measured], name: str, kind: str, place: in
     line = "-" if place < len(COLORS) else "--"
     scale = 1e6 if name == "time" else 1
     for mesh, marker in _MESHES.items():
-        own = [row for row in known if row.candidate.mesh == mesh]
-        if own:
+        of_mesh = [row for row in known if row.candidate.mesh == mesh]
+        if of_mesh:
             even = mesh == "even"
             axes.plot(
-                [getattr(row, name) * scale for row in own],
-                [row.error for row in own],
+                [getattr(row, name) * scale for row in of_mesh],
+                [row.error for row in of_mesh],
                 marker=marker,
                 color=COLORS[place % len(COLORS)],
                 markersize=3.5,

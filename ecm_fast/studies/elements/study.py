@@ -171,11 +171,11 @@ def _measure(
     mechanism: Mechanism, compared: Sequence[Candidate], known: Converged, progress: Callable[[str], None] | None
 ) -> tuple[Measured, ...]:
     models: list[FiniteElementModel] = []
-    found, guesses, said = [], [], ""
+    found, guesses, announced = [], [], ""
     for i, candidate in enumerate(compared):
         what = f"{candidate.kind} elements, {candidate.mesh}"
-        if progress is not None and what != said:
-            done, said = 20 * i // len(compared), what
+        if progress is not None and what != announced:
+            done, announced = 20 * i // len(compared), what
             progress(f"[{'#' * done}{'.' * (20 - done)}] {what}")
         model = candidate.model(mechanism)
         known.loads.select(np.arange(1)).solve(model)  # what is made on first use is not timed
@@ -208,11 +208,11 @@ def _times(models: Sequence[FiniteElementModel], loads: LoadSet, guesses: Sequen
     best = [math.inf] * len(models)
     for _ in range(_ROUNDS):
         for i, (model, guess) in enumerate(zip(models, guesses, strict=True)):
-            own = rows[: int(np.clip(_SHORT / min(guess, best[i]), 2, _MOST_CASES))]
-            lam, wrench = loads.lam[own], loads.wrench[own]
+            timed = rows[: int(np.clip(_SHORT / min(guess, best[i]), 2, _MOST_CASES))]
+            lam, wrench = loads.lam[timed], loads.wrench[timed]
             start = time.perf_counter()
             model.solve_batch(lam, wrench, path="ignore")
-            best[i] = min(best[i], (time.perf_counter() - start) / len(own))
+            best[i] = min(best[i], (time.perf_counter() - start) / len(timed))
     return best
 
 

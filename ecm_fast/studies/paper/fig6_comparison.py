@@ -170,8 +170,8 @@ def _rows(preset: str, case: str, found: Errors) -> list[tuple[str | float | Non
     ):
         rms, largest = 100.0 * shares[model]
         for i, (name, value) in enumerate(paper.items()):
-            own = error[:, i] * scales[i]
-            size = float(np.abs(own).max()), float(np.sqrt(np.mean(own**2)))
+            errors = error[:, i] * scales[i]
+            size = float(np.abs(errors).max()), float(np.sqrt(np.mean(errors**2)))
             rows.append((preset, case, model, name, value, float(largest[i]), float(rms[i]), *size, units[i]))
     return rows
 

@@ -27,12 +27,12 @@ def times(seed: int = 0, n: int = 100, batch: int = 512, rounds: int = 2) -> Par
         preset: fig7(Mechanism.preset(preset), poses=n, seed=seed, batch=batch, rounds=rounds) for preset in PRESETS
     }
     claims = tuple(claim for preset in PRESETS for claim in _claims(preset, found[preset]))
-    numbers = {preset: {"settings": dict(own.settings), "rows": list(own.rows)} for preset, own in found.items()}
+    numbers = {preset: {"settings": dict(fig.settings), "rows": list(fig.rows)} for preset, fig in found.items()}
     scale = 1e6
     rows = tuple(
         (preset, row["way"], *(scale * row[key] for key in ("shortest_s", "median_s", "longest_s")), row["polynomials"])
-        for preset, own in found.items()
-        for row in own.rows
+        for preset, fig in found.items()
+        for row in fig.rows
     )
     head = ("preset", "one solve", "shortest [µs]", "median [µs]", "longest [µs]", "over the polynomial")
     sentences = (
@@ -51,12 +51,12 @@ def _claims(preset: str, found: Fig7) -> list[PaperClaim]:
     for row in found.rows:
         if row["way"] in _CLAIMED:
             factor = row["polynomials"]
-            own, other = 1e6 * row["median_s"], 1e6 * row["median_s"] / factor
+            ours, other = 1e6 * row["median_s"], 1e6 * row["median_s"] / factor
             claims.append(
                 PaperClaim(
                     f"Fig. 7, preset {preset}: the polynomial is at least 200 times faster than the FEM, {row['way']}",
                     "at least 200 times",
-                    f"{factor:.3g} times, {other:.2g} against {own:.3g} µs",
+                    f"{factor:.3g} times, {other:.2g} against {ours:.3g} µs",
                     verdict(_FACTOR, factor, f"a factor of {factor:.3g}"),
                 )
             )
@@ -65,9 +65,9 @@ def _claims(preset: str, found: Fig7) -> list[PaperClaim]:
 
 def _pictures(found: Mapping[str, Fig7]) -> tuple[Picture, ...]:
     pictures = []
-    for preset, own in found.items():
+    for preset, fig in found.items():
         columns = {f"{name.replace(', ', '_').replace(' ', '_')}_s": np.asarray(taken).tolist()
-                   for name, taken in own.times.items()}  # fmt: skip
+                   for name, taken in fig.times.items()}  # fmt: skip
         caption = f"Fig. 7, preset {preset}: histograms of the time of one answer, on a logarithmic scale."
-        pictures.append(Picture(f"times_{preset}", caption, own.figure(), columns))
+        pictures.append(Picture(f"times_{preset}", caption, fig.figure(), columns))
     return tuple(pictures)

@@ -67,12 +67,12 @@ class Fig7:
         return tuple(
             {
                 "way": name,
-                "shortest_s": float(own.min()),
-                "median_s": float(np.median(own)),
-                "longest_s": float(own.max()),
-                "polynomials": float(np.median(own) / np.median(self.times[_BATCH if "batch" in name else _CALL])),
+                "shortest_s": float(seconds.min()),
+                "median_s": float(np.median(seconds)),
+                "longest_s": float(seconds.max()),
+                "polynomials": float(np.median(seconds) / np.median(self.times[_BATCH if "batch" in name else _CALL])),
             }
-            for name, own in self.times.items()
+            for name, seconds in self.times.items()
         )
 
     def figure(self) -> "Figure":
@@ -90,7 +90,9 @@ class Fig7:
         content = {"settings": dict(self.settings), "rows": self.rows}
         return (
             write_whole(place / "bench.json", json.dumps(content, indent=1) + "\n"),
-            write_whole(place / "bench.csv", csv_text({f"{name} [s]": own for name, own in self.times.items()})),
+            write_whole(
+                place / "bench.csv", csv_text({f"{name} [s]": seconds for name, seconds in self.times.items()})
+            ),
             write_whole(place / "bench.svg", picture_bytes(figure, "svg")),
             write_whole(place / "bench.png", picture_bytes(figure, "png")),
         )
@@ -144,7 +146,10 @@ def fig7(
     counts = {name: rounds if "batch" in name else 10 * rounds for name in ways} | {_PLAIN: 1}
     found = each_in_turn(ways, rounds=counts)
     control = min(found.pop(EMPTY))
-    times = {name: np.array(own) / batch if "batch" in name else np.array(own) - control for name, own in found.items()}
+    times = {
+        name: np.array(seconds) / batch if "batch" in name else np.array(seconds) - control
+        for name, seconds in found.items()
+    }
     settings = {
         "mechanism": _name(neck),
         "poses": poses,

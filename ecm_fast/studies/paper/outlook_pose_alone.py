@@ -86,9 +86,9 @@ def holding(neck: Mechanism, poses: Array, start: Array) -> Array:
     model, wrench = FiniteElementModel(neck), start.copy()
     size = np.array([neck.beam.length, neck.beam.length, 1.0])
     for _ in range(_STEPS):
-        here = model.sensitivities([], np.zeros((len(poses), 2)), wrench, tolerance=1e-12)
-        miss = poses - here.pose
-        wrench += np.linalg.solve(here.compliance, miss[:, :, None])[:, :, 0]
+        solved = model.sensitivities([], np.zeros((len(poses), 2)), wrench, tolerance=1e-12)
+        miss = poses - solved.pose
+        wrench += np.linalg.solve(solved.compliance, miss[:, :, None])[:, :, 0]
         if np.abs(miss / size).max() < _CONVERGED:
             return wrench
     return np.full_like(wrench, np.nan)

@@ -230,9 +230,9 @@ def _stress_picture(compressed: Mapping[int, _Compressed]) -> Picture:
             axes.set_xlabel("axial strain, shortening [%]")
             axes.grid(True)
             axes.legend(loc="upper left")
-            there = _curves(strain, laws)
+            curves = _curves(strain, laws)
             columns["specimen_m"] += [length / MM] * data.n
-            for name, values in zip(list(columns)[1:], (strain, stress, *there.values()), strict=True):
+            for name, values in zip(list(columns)[1:], (strain, stress, *curves.values()), strict=True):
                 columns[name] += values.tolist()
         figure.axes[0].set_ylabel("axial stress [kPa]")
     caption = (

@@ -93,11 +93,11 @@ def sweep(
     folder = Path(out)
     if plan.keep == "rows":
         need_pyarrow()
-    told: list[int] = []
+    done_before: list[int] = []
 
     def tell(done: int, cases: int) -> None:
-        told.append(done)
-        del told[1:]
+        done_before.append(done)
+        del done_before[1:]
         if progress is not None:
             progress(done, cases)
 
@@ -105,7 +105,7 @@ def sweep(
     keep = keep_rows if plan.keep == "rows" else keep_statistics
     with claim(folder, plan), _workers(executor, threads, in_flight) as workers:
         summary = keep(folder, plan, workers, tell)
-    return Sweep(folder, plan.cases, summary["statuses"], plan.cases - told[0], time.perf_counter() - start)
+    return Sweep(folder, plan.cases, summary["statuses"], plan.cases - done_before[0], time.perf_counter() - start)
 
 
 @contextmanager

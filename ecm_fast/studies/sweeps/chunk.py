@@ -48,7 +48,7 @@ def solve(spec: SweepSpec, number: int, room: ScratchBuffers | None = None, *, s
     """
     room = ScratchBuffers() if room is None else room
     drawn = cases(spec, number, room.array("inputs", len(spec.varied), spec.chunk))
-    inputs = {entry.name: own[::stride] for entry, own in zip(spec.varied, drawn, strict=True)}
+    inputs = {entry.name: values[::stride] for entry, values in zip(spec.varied, drawn, strict=True)}
     rows = -(-spec.rows(number) // stride)
     known: dict[str, float | Array] = {**spec.fixed, **inputs}
     lam = _together([known.get(name, 0.0) for name in _LAM], room.array("lam", rows, len(_LAM)))
@@ -57,7 +57,7 @@ def solve(spec: SweepSpec, number: int, room: ScratchBuffers | None = None, *, s
     wrench = np.array(dead) if same else _together(dead, room.array("wrench", rows, len(_WRENCH)))
     columns = {entry.name: inputs[entry.name] for entry in spec.varied if entry.name not in LOADS}
     model, result = room.model(spec.digest, partial(_model, spec, {})), _result(room, rows)
-    changes = np.flatnonzero(np.any([own[1:] != own[:-1] for own in columns.values()], axis=0)) + 1
+    changes = np.flatnonzero(np.any([values[1:] != values[:-1] for values in columns.values()], axis=0)) + 1
     if not columns:
         model.solve_batch(lam, wrench, tolerance=spec.tolerance, out=result, path=spec.path)
     elif (len(changes) + 1) * WORTH_A_MODEL <= rows:
@@ -73,8 +73,8 @@ def solve(spec: SweepSpec, number: int, room: ScratchBuffers | None = None, *, s
 
 def _together(columns: list[float | Array], values: Array) -> Array:
     """Return numbers and columns as one array, (rows, columns), which is overwritten."""
-    for place, own in enumerate(columns):
-        values[:, place] = own
+    for place, column in enumerate(columns):
+        values[:, place] = column
     return values
 
 

@@ -105,11 +105,11 @@ def keep_rows(folder: Path, spec: SweepSpec, workers: Workers, progress: Progres
         done += spec.rows(number)
 
     for number in range(spec.chunks):
-        there = _label(folder, spec, number, sums)
-        if there is None:
+        label = _label(folder, spec, number, sums)
+        if label is None:
             todo.append(number)
         else:
-            note(number, there["statuses"])
+            note(number, label["statuses"])
     progress(done, spec.cases)
 
     def take(number: int, made: Made) -> None:
@@ -154,8 +154,8 @@ def keep_statistics(folder: Path, spec: SweepSpec, workers: Workers, progress: P
     return _finish(folder, spec, total.statuses, total.failures)
 
 
-def _line(name: str, own: str) -> str:
-    return f"{own}  {name}\n"
+def _line(name: str, checksum: str) -> str:
+    return f"{checksum}  {name}\n"
 
 
 def _checksums(folder: Path) -> dict[str, str]:
@@ -164,7 +164,7 @@ def _checksums(folder: Path) -> dict[str, str]:
         text = (folder / CHECKSUMS).read_text(encoding="utf-8", errors="replace")
     except FileNotFoundError:
         return {}
-    return {name: own for own, _, name in (line.partition("  ") for line in text.splitlines())}
+    return {name: digest for digest, _, name in (line.partition("  ") for line in text.splitlines())}
 
 
 def _label(folder: Path, spec: SweepSpec, number: int, sums: Mapping[str, str]) -> dict[str, Any] | None:
@@ -210,8 +210,8 @@ def _checkpoint(path: Path, spec: SweepSpec) -> tuple[dict[str, tuple[float, flo
 
 def _write_checkpoint(path: Path, spec: SweepSpec, total: Tally, chunks: int) -> None:
     content = {"sweep": spec.digest, "chunks": chunks, **total.json()}
-    own = checksum(json.dumps(content).encode())
-    write_whole(path, json.dumps({**content, "sha256": own}) + "\n")
+    digest = checksum(json.dumps(content).encode())
+    write_whole(path, json.dumps({**content, "sha256": digest}) + "\n")
 
 
 def _finish(folder: Path, spec: SweepSpec, statuses: dict[str, int], failed: list[dict[str, Any]]) -> dict[str, Any]:

@@ -26,7 +26,7 @@ def cases(spec: SweepSpec, number: int, out: Array | None = None) -> list[Array]
         return _grid(spec, number * spec.chunk, rows)
     u = np.empty((len(varied), spec.chunk)) if out is None else out
     filled = (_random if spec.sample == "random" else _sobol)(spec, number, u)
-    return [entry.quantile(own[:rows]) for entry, own in zip(varied, filled, strict=True)]
+    return [entry.quantile(shares[:rows]) for entry, shares in zip(varied, filled, strict=True)]
 
 
 def _grid(spec: SweepSpec, first: int, rows: int) -> list[Array]:
@@ -44,8 +44,8 @@ def _random(spec: SweepSpec, number: int, u: Array) -> Iterator[Array]:
     A row is taken up before the next one is drawn, while it is in the processor's cache.
     """
     source = np.random.Generator(np.random.SFC64(np.random.SeedSequence(spec.seed, spawn_key=(number,))))
-    for own in u:
-        yield source.random(out=own)
+    for column in u:
+        yield source.random(out=column)
 
 
 def _sobol(spec: SweepSpec, number: int, u: Array) -> Iterator[Array]:
@@ -56,11 +56,11 @@ def _sobol(spec: SweepSpec, number: int, u: Array) -> Iterator[Array]:
     """
     first, turns = _sobol_start(len(spec.varied), spec.seed, spec.chunk, spec.chunks)
     turn = np.zeros(len(first), dtype=np.uint32)
-    for bit, own in enumerate(turns):
+    for bit, direction in enumerate(turns):
         if number >> bit & 1:
-            turn ^= own
-    for own, bits, place in zip(first, turn, u, strict=True):
-        np.add(own ^ bits, 0.5, out=place)
+            turn ^= direction
+    for start, bits, place in zip(first, turn, u, strict=True):
+        np.add(start ^ bits, 0.5, out=place)
         place *= 2.0**-_BITS
         yield place
 

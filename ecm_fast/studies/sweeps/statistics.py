@@ -114,7 +114,7 @@ class Tally:
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> "Tally":
         """Return what `json` wrote."""
-        channels = {name: Channel.from_json(own) for name, own in content["channels"].items()}
+        channels = {name: Channel.from_json(channel) for name, channel in content["channels"].items()}
         return cls(channels, dict(content["statuses"]), list(content["failures"]))
 
     def __repr__(self) -> str:
@@ -127,11 +127,12 @@ def tally_of(spec: SweepSpec, number: int, ranges: Mapping[str, tuple[float, flo
     found = Tally.empty(spec, ranges)
     places, sums = np.empty(2, dtype=np.int64), np.empty(5)
     for name, values in _outputs(solved).items():
-        own = found.channels[name]
-        tally(values, solved.result.status, own.low, spec.bins / (own.high - own.low), own.counts, places, sums)
-        own.sums = tuple(sums.tolist())
+        channel = found.channels[name]
+        per_unit = spec.bins / (channel.high - channel.low)
+        tally(values, solved.result.status, channel.low, per_unit, channel.counts, places, sums)
+        channel.sums = tuple(sums.tolist())
         if places[0] >= 0:
-            own.least, own.most = (_case(spec, number, solved, values, int(row)) for row in places)
+            channel.least, channel.most = (_case(spec, number, solved, values, int(row)) for row in places)
     found.statuses = solved.result.counts()
     found.failures = failures(spec, number, solved)
     return found
@@ -170,7 +171,7 @@ def _outputs(solved: Solved) -> dict[str, NDArray[np.float64]]:
 
 
 def _case(spec: SweepSpec, number: int, solved: Solved, values: NDArray[np.float64], row: int) -> dict[str, float]:
-    inputs = {column(name): float(own[row]) for name, own in solved.inputs.items()}
+    inputs = {column(name): float(drawn[row]) for name, drawn in solved.inputs.items()}
     return {"value": float(values[row]), "case": number * spec.chunk + row, **inputs}
 
 

@@ -81,5 +81,5 @@ class Truth:
 
     def __repr__(self) -> str:
         hidden = {**self.effects, **{f"{name} (in no catalogue)": size for name, size in self.outside.items()}}
-        said = ", ".join(f"{name} = {size:.4g}" for name, size in hidden.items()) or "nothing"
-        return f"<Truth: {said} hidden in design {self.design}, noise {self.noise}, seed {self.seed}>"
+        effects = ", ".join(f"{name} = {size:.4g}" for name, size in hidden.items()) or "nothing"
+        return f"<Truth: {effects} hidden in design {self.design}, noise {self.noise}, seed {self.seed}>"

@@ -133,8 +133,8 @@ def hide(
     hidden, outside = drawn(effects or {}, of_sizes)
     tolerance = _tolerance(taken, {name.partition(".")[0] for name in hidden}, of_build)
     values = {name: _scattered(neck, name, spread, of_build) for name in STIFFNESSES}
-    own = {name: _built(neck, name, off) for name, off in tolerance.items()}
-    built = neck.replace(**values, **_keyed(own), **_keyed(hidden))
+    dimensions = {name: _built(neck, name, off) for name, off in tolerance.items()}
+    built = neck.replace(**values, **_keyed(dimensions), **_keyed(hidden))
     loads = loads_of(design, replicated=taken.replicated, replicates=taken.replicates, sessions=sessions, seed=of_loads)
     data = measure(built, loads, taken.sensors, of_noise, hidden=outside)
     truth = Truth(hidden, outside, tolerance, values, design, noise, seed)

@@ -69,13 +69,13 @@ class Score:
         return {**asdict(self), "false_alarm": self.false_alarm}
 
     def __repr__(self) -> str:
-        said = {True: "right", False: "WRONG", None: "not asked"}
+        words = {True: "right", False: "WRONG", None: "not asked"}
         names = ", ".join(self.named) or "no name"
         size = ", ".join(f"{name} off by {error:+.1%}" for name, error in self.size_error.items())
         gap = "" if self.gap_closed is None else f"; gap closed {self.gap_closed:.1%}"
         return (
             f"<Score of {self.verdict} ({names}) on {', '.join(self.hidden) or self.kind}: verdict "
-            f"{said[self.verdict_right]}, top names {said[self.top]}, set {said[self.in_set]}{gap}"
+            f"{words[self.verdict_right]}, top names {words[self.top]}, set {words[self.in_set]}{gap}"
             f"{'; ' if size else ''}{size}>"
         )
 

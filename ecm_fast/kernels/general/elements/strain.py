@@ -210,18 +210,18 @@ def apply_step(tables, q, step, fresh):
         fresh[i] = q[i] + step[i]
     for first in range(0, q.shape[0] - 3, m - 3):
         last = first + m - 3
-        own, change, new = q[first : first + m], step[first : first + m], fresh[first : first + m]
-        mean_x, mean_z, a, b = _mean(tables, own)
+        q_e, change, new = q[first : first + m], step[first : first + m], fresh[first : first + m]
+        mean_x, mean_z, a, b = _mean(tables, q_e)
         d_x, d_z = step[last] - step[first], step[last + 1] - step[first + 1]
         for g in range(tables.weights.shape[0]):
             w = tables.weights[g]
-            s, c, _, i_x, i_z = _section_at(tables, g, own)
+            s, c, _, i_x, i_z = _section_at(tables, g, q_e)
             turn, p_x, p_z = _change_at(tables, g, change)
             p_x, p_z = p_x + (mean_z + i_z) * turn, p_z - (mean_x + i_x) * turn
             d_x, d_z = d_x - w * (c * p_x + s * p_z), d_z - w * (c * p_z - s * p_x)
         mean_x, mean_z = mean_x + d_x * a - d_z * b, mean_z + d_x * b + d_z * a
         for i in range(3, m):
-            new[i] = own[i] + change[i]
+            new[i] = q_e[i] + change[i]
         x, z = new[0], new[1]
         for g in range(tables.weights.shape[0]):
             w = tables.weights[g]
