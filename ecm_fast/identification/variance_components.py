@@ -78,7 +78,7 @@ def variance_components(
     k = len(groups)
     ties = (np.eye(k) - 1.0 / k) / (2.0 * _RATIO_STD) ** 2
 
-    def at(log_variance: Array) -> "_Step":
+    def at(log_variance: Array) -> "_WeightedFit":
         filled = np.where(groups.any(axis=0), np.exp(0.5 * np.einsum("g,gnc->nc", log_variance, groups)), sigma)
         return _step(residual, jacobian, filled, groups, whitening(filled), prior, robust)
 
@@ -98,7 +98,7 @@ def variance_components(
 
 
 @dataclass(frozen=True, eq=False)
-class _Step:
+class _WeightedFit:
     """A weighted fit: readings' variances in units of those assumed, group by group.
 
     With P the projection onto what the fit leaves and M_g the share of group g in the whitened noise: `squares` are
@@ -148,7 +148,7 @@ def _step(
     whitening: Array,
     prior: tuple[Array, Array],
     robust: bool,
-) -> _Step:
+) -> _WeightedFit:
     A, e = whitening @ jacobian, np.einsum("nab,nb->na", whitening, residual)
     inverse = _inverse(np.einsum("nap,naq->pq", A, A) + prior[0])
     if not robust:
@@ -164,7 +164,7 @@ def _step(
     cross = np.einsum("gnp,pq,hnq->ghn", a, inverse, a, optimize=True)
     traces = (mm * (mm - 2.0 * cross)).sum(axis=2) + np.einsum("gpq,hqp->gh", hat, hat)
     dof = size.sum(axis=1) - np.trace(hat, axis1=1, axis2=2)
-    return _Step(sigma, inverse, squares, dof, traces, by_group, by_pair)
+    return _WeightedFit(sigma, inverse, squares, dof, traces, by_group, by_pair)
 
 
 def _robust(off: Array, size: Array) -> float:

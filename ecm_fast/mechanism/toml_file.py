@@ -17,7 +17,7 @@ from .parameters import PARAMETERS
 from .quantity import Quantity
 from .sections import PRESETS, SECTIONS
 
-__all__ = ["ROBOTS", "read_values", "robot_file", "template", "write_values"]
+__all__ = ["ROBOTS", "read_toml", "read_values", "robot_file", "template", "write_values"]
 
 ROBOTS = {path.stem: path for path in sorted((Path(__file__).parent / "robots").glob("*.toml"))}
 """Files of robots to start from, by name."""
@@ -28,6 +28,21 @@ EMPTY: Parts = MappingProxyType({})
 """Segments, tendons and markers by the name of their tables."""
 
 
+def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Return what a TOML file holds.
+
+    Raises
+    ------
+    InputError : the file cannot be read, or is not TOML; names it.
+    """
+    try:
+        return tomllib.loads(read_whole(path).decode("utf-8-sig"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({why(error)})") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: not a TOML file ({str(error).splitlines()[0]})") from None
+
+
 def read_values(path: str | os.PathLike[str]) -> tuple[str, dict[str, Any], Parts]:
     """Return the preset that a mechanism file names, "" where it names none, its values by full names, and its parts.
 
@@ -36,12 +51,7 @@ def read_values(path: str | os.PathLike[str]) -> tuple[str, dict[str, Any], Part
     InputError : the file cannot be read, is not TOML, or holds a key or value that cannot be; one line with
         file, key, value and what is allowed.
     """
-    try:
-        content = tomllib.loads(read_whole(path).decode("utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({why(error)})") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: not a TOML file ({str(error).splitlines()[0]})") from None
+    content = read_toml(path)
     try:
         return _values(content)
     except InputError as error:

@@ -21,7 +21,6 @@ class TendonState:
     jacobian : (3, m) d(x, z, theta)/d(reading of the force cell) [m/N, m/N, rad/N]
     moved : (m, 3 n_nodes) derivative of the nodes by tendon force
     dlength_dlam : (m, m) derivative of the lengths by the readings [m/N], symmetric where the gains are alike
-    dlength_dq : (m, 3 n_nodes) derivative of the lengths by the nodes
     compliance : (3, 3) tip pose by a dead wrench at Q
     """
 
@@ -30,7 +29,6 @@ class TendonState:
     jacobian: Array
     moved: Array
     dlength_dlam: Array
-    dlength_dq: Array
     compliance: Array
 
     def jacobian_by_length(self, held: NDArray[np.int64], soft: Array) -> Array:
@@ -50,5 +48,5 @@ class TendonState:
 
 def unknown_state(m: int) -> TendonState:
     """Return the state of tendons where there is no equilibrium: nan."""
-    shapes = (m,), (m,), (3, m), (m, 0), (m, m), (m, 0), (3, 3)
+    shapes = (m,), (m,), (3, m), (m, 0), (m, m), (3, 3)
     return TendonState(*(np.full(shape, np.nan) for shape in shapes))

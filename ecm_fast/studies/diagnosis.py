@@ -17,7 +17,7 @@ from ..data.repeated_rows import repeated_rows, without_poses
 from ..diagnosis.answer.assembly import assemble, assemble_plan
 from ..diagnosis.checks.coverage import FEW_ROWS, coverage
 from ..diagnosis.checks.symmetry import parity
-from ..diagnosis.design.next_loads import NextLoads, Pool, in_question, next_loads, rivals_of
+from ..diagnosis.design.next_loads import MOST_RIVALS, NextLoads, Pool, fitted_rivals, in_question, next_loads
 from ..diagnosis.problem.candidates import chosen, uncertain_parameters
 from ..diagnosis.problem.problem import Problem
 from ..diagnosis.problem.progress import Progress
@@ -198,7 +198,7 @@ class Study:
         if self.progress:
             self.progress("what to measure next")
         known: dict[str, Any] = {"priors": self.priors, "force_sigma": result["noise"]["force"] or 0.0}
-        rivals = rivals_of(self.mechanism, self.fitted, sets, **known)
+        rivals = fitted_rivals(self.mechanism, self.fitted, sets[:MOST_RIVALS], **known)
         sigma = [value or usual for value, usual in zip(result["noise"]["sigma"], CAMERA_SIGMA, strict=True)]
         return next_loads(rivals, self.fitted, sigma=sigma, minutes=minutes, repeats=repeats, pool=pool,
                           first_alone=alone, **known)  # fmt: skip

@@ -4,12 +4,11 @@ import copy
 import functools
 import pickle
 import re
-import tracemalloc
 from typing import Any
 
 import numpy as np
 import pytest
-from numba.core.runtime import _nrt_python, rtsys
+from allocations import assert_no_memory
 
 import ecm_fast as ecm
 from ecm_fast.__main__ import main
@@ -143,23 +142,9 @@ def test_a_load_without_equilibrium_passes_nothing_on() -> None:
 def test_a_step_along_a_path_asks_for_no_memory() -> None:
     """Numba's own count and Python's: thousands of steps leave nothing behind."""
     step = ecm.FiniteElementModel(NECK.replace(**TOGETHER), order=4).stepper(derivatives=True)
-    loads = [(80.0 + 70.0 * np.sin(0.01 * i), 80.0 + 70.0 * np.cos(0.02 * i)) for i in range(5000)]
+    loads = [(80.0 + 70.0 * np.sin(0.01 * i), 80.0 + 70.0 * np.cos(0.02 * i), 1.0, 1.0) for i in range(5000)]
     step(40.0, 10.0, 0.0, 1.0)
-    _nrt_python.memsys_enable_stats()
-    before = rtsys.get_allocation_stats()
-    tracemalloc.start()
-    try:
-        first = tracemalloc.get_traced_memory()[0]
-        for lam_l, lam_r in loads:
-            step(lam_l, lam_r, 1.0, 1.0)
-        last, peak = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-        after = rtsys.get_allocation_stats()
-        _nrt_python.memsys_disable_stats()
-    assert after == before
-    assert last - first < 1000
-    assert peak - first < 2000
+    assert_no_memory(step, loads)
 
 
 # Who knows no order

@@ -3,11 +3,10 @@
 import gc
 import sys
 import threading
-import tracemalloc
 
 import numpy as np
 import pytest
-from numba.core.runtime import _nrt_python, rtsys
+from allocations import assert_no_memory
 
 from ecm_fast import FiniteElementModel, InputError, Mechanism, Status
 from ecm_fast.models.paths.condensed import Condensation, compiled_step
@@ -218,22 +217,7 @@ def test_a_step_asks_for_no_memory(order, how):
     step = FiniteElementModel(order=order).stepper(**how)
     loads = path_of_loads(10_000)
     step(*loads[0])
-    _nrt_python.memsys_enable_stats()
-    before = rtsys.get_allocation_stats()
-    tracemalloc.start()
-    try:
-        first = tracemalloc.get_traced_memory()[0]
-        for lam_l, lam_r in loads:
-            step(lam_l, lam_r)
-        last, peak = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-        after = rtsys.get_allocation_stats()
-        _nrt_python.memsys_disable_stats()
-    assert after == before
-    # a tuple of three floats and the loop's own two names: less than one row of numbers a thousand
-    assert last - first < 1000
-    assert peak - first < 2000
+    assert_no_memory(step, loads)
 
 
 @every_model

@@ -15,9 +15,9 @@ from ...errors import InputError, real, shown
 from ..results.next_loads import NextLoads, Suggestion
 from .discrimination import DiscriminationDesign
 from .load_pool import Pool
-from .rivals import Rival, fitted_rivals, in_question, rivals_of
+from .rivals import MOST_RIVALS, Rival, fitted_rivals, in_question
 
-__all__ = ["NextLoads", "Pool", "Rival", "Suggestion", "fitted_rivals", "in_question", "next_loads", "rivals_of"]
+__all__ = ["MOST_RIVALS", "NextLoads", "Pool", "Rival", "Suggestion", "fitted_rivals", "in_question", "next_loads"]
 
 
 def next_loads(

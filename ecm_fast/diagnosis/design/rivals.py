@@ -16,10 +16,10 @@ from ...mechanism.parameters import index
 from ...mechanism.sections import STIFFNESSES
 from ...mechanism.vector import pack
 
-__all__ = ["STIFFNESSES", "Rival", "fitted_rivals", "in_question", "rivals_of"]
+__all__ = ["MOST_RIVALS", "STIFFNESSES", "Rival", "fitted_rivals", "in_question"]
 
-_MOST = 5
-"""Every ordered pair of them is refitted."""
+MOST_RIVALS = 5
+"""Explanations of a look-alike set that loads are sought for: every ordered pair of them is refitted."""
 _NEAREST = 3
 """So many others check a name that stands alone."""
 
@@ -82,18 +82,6 @@ def fitted_rivals(
         )
         rivals.append(Rival(tuple(names), fit.mechanism, free))
     return rivals
-
-
-def rivals_of(
-    mechanism: Mechanism,
-    data: Sequence[Measurements],
-    sets: Sequence[Sequence[str]],
-    *,
-    priors: Mapping[str, tuple[float, float]] | None = None,
-    force_sigma: float | None = None,
-) -> list[Rival]:
-    """Return the first few explanations of a look-alike set, see `in_question`."""
-    return fitted_rivals(mechanism, data, sets[:_MOST], priors=priors, force_sigma=force_sigma)
 
 
 def in_question(

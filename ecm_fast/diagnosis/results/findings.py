@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...data.columns import CAMERA_SIGMA, CHANNEL_KEYS
+from ...data.columns import CHANNEL_KEYS
 from ...data.measurements import Measurements
 
 __all__ = [
@@ -272,12 +272,6 @@ class Noise:
     scale: tuple[float, float, float]
     tail: float
     correlation: float
-
-    @property
-    def known_sigma(self) -> tuple[float, float, float]:
-        """`sigma`, and where nothing was measured that of a usual camera."""
-        x, z, theta = (value if value > 0.0 else usual for value, usual in zip(self.sigma, CAMERA_SIGMA, strict=True))
-        return x, z, theta
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,7 @@ def tendon_state(mesh: Discretization, par: Array, loads: Array, q: Array, m: in
     moved, gradient = moved[:m], gradient[:m]
     by_reading = gain[:m, None] * moved
     forces = _forces(par, tip, loads, m)
-    return TendonState(forces, length[:m], by_reading[:, -3:].T, moved, gradient @ by_reading.T, gradient, compliance)
+    return TendonState(forces, length[:m], by_reading[:, -3:].T, moved, gradient @ by_reading.T, compliance)
 
 
 class ByLength(NamedTuple):

@@ -2,17 +2,16 @@
 
 import math
 import os
-import tomllib
 from collections.abc import Mapping
 from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, did_you_mean, key_shown, shown, why
-from ...files import read_whole
+from ...errors import InputError, did_you_mean, key_shown, shown
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find
+from ...mechanism.toml_file import read_toml
 from ...mechanism.vector import pack
 from ...models.instruments.history import path_effects
 from ...models.loads import MIN_TOLERANCE
@@ -60,12 +59,7 @@ def read_spec(source: str | os.PathLike[str] | Mapping[str, Any]) -> SweepSpec:
     """
     if isinstance(source, Mapping):
         return _spec(source, Path())
-    try:
-        content = tomllib.loads(read_whole(source).decode("utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{source}: cannot be read ({why(error)})") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{source}: not a TOML file ({str(error).splitlines()[0]})") from None
+    content = read_toml(source)
     try:
         return _spec(content, Path(source).parent)
     except InputError as error:
