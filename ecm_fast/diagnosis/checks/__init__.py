@@ -1,1 +1,1 @@
-"""Checks of measurements before any effect is named: units, axes, symmetry, repeated rows."""
+"""Checks of a diagnosis: mirror symmetry, and what the rows can tell; `models.instruments.checks` has all others."""
