@@ -147,8 +147,8 @@ def _faults(sets: Sequence[FitSet], names: Sequence[str]) -> list[list[Finding]]
             zip(sets, counted, known, strict=True)]  # fmt: skip
 
 
-def _refuse(sets: Sequence[FitSet], found: Sequence[Sequence[Finding]]) -> None:
-    for entry, part in zip(sets, found, strict=True):
+def _refuse(sets: Sequence[FitSet], findings: Sequence[Sequence[Finding]]) -> None:
+    for entry, part in zip(sets, findings, strict=True):
         certain = [str(finding) for finding in part if finding.certain]
         if certain:
             raise InputError(f"{entry.data.source}: {'. '.join(certain)}")

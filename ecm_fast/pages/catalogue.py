@@ -53,18 +53,18 @@ def signatures(mechanism: Mechanism, data: Measurements, effects: Sequence[Effec
     return np.moveaxis(by * typical, 2, 0)
 
 
-def look_alikes(found: Plan, least: float = _ALIKE) -> dict[str, list[tuple[str, float]]]:
+def look_alikes(plan: Plan, least: float = _ALIKE) -> dict[str, list[tuple[str, float]]]:
     """Return for every effect the names whose signatures are most alike, with the cosine, EA, GA, EI projected out."""
     out = {}
-    for i, name in enumerate(found.names):
-        cosine = found.cosines[i].copy()
+    for i, name in enumerate(plan.names):
+        cosine = plan.cosines[i].copy()
         cosine[i] = 0.0
         order = np.argsort(-np.abs(cosine))[:_SHOWN]
-        out[name] = [(found.names[j], float(cosine[j])) for j in order if abs(cosine[j]) >= least]
+        out[name] = [(plan.names[j], float(cosine[j])) for j in order if abs(cosine[j]) >= least]
     return out
 
 
-def write_catalogue(mechanism: Mechanism, folder: Path, found: Plan, source: str = "") -> Path:
+def write_catalogue(mechanism: Mechanism, folder: Path, plan: Plan, source: str = "") -> Path:
     """Write ``effects.html`` and the numbers of its pictures; return the page.
 
     Parameters
@@ -79,8 +79,8 @@ def write_catalogue(mechanism: Mechanism, folder: Path, found: Plan, source: str
     InputError : a file cannot be written, or matplotlib or jinja2 is missing.
     """
     grid = sweep()
-    alike = look_alikes(found)
-    sections = [Section("", _sentences(found, source))]
+    alike = look_alikes(plan)
+    sections = [Section("", _sentences(plan, source))]
     families = dict.fromkeys(effect.family for effect in CATALOGUE.values())
     for family in families:
         effects = [effect for effect in CATALOGUE.values() if effect.family == family]
@@ -92,15 +92,15 @@ def write_catalogue(mechanism: Mechanism, folder: Path, found: Plan, source: str
             _figure(effects, grid, shapes),
             _columns(effects, grid, shapes),
         )
-        sections.append(Section(family, (), (_table(effects, found, alike),), (picture,)))
+        sections.append(Section(family, (), (_table(effects, plan, alike),), (picture,)))
     return write_report(folder / "effects.html", "Physical effects the model can take in", sections)
 
 
-def _sentences(found: Plan, source: str) -> tuple[str, ...]:
-    counts = {visible: len(found.effects_that_are(visible)) for visible in ("named", "seen", "absorbed", "invisible")}
-    where = f"the {found.rows} rows of {source}" if source else f"{found.rows} tendon forces between 0 and 160 N"
+def _sentences(plan: Plan, source: str) -> tuple[str, ...]:
+    counts = {visible: len(plan.effects_that_are(visible)) for visible in ("named", "seen", "absorbed", "invisible")}
+    where = f"the {plan.rows} rows of {source}" if source else f"{plan.rows} tendon forces between 0 and 160 N"
     return (
-        f"{len(CATALOGUE)} effects. With {where}, {found.noise}: {counts['named']} would be named at their typical "
+        f"{len(CATALOGUE)} effects. With {where}, {plan.noise}: {counts['named']} would be named at their typical "
         f"size, {counts['seen']} seen but not told from look-alikes, {counts['absorbed']} absorbed by EA, GA and EI, "
         f"{counts['invisible']} invisible.",
         "Look-alikes: cosine between the signatures in all readings once EA, GA and EI are refitted; 1 or -1 is the "
@@ -108,8 +108,8 @@ def _sentences(found: Plan, source: str) -> tuple[str, ...]:
     )
 
 
-def _table(effects: Sequence[Effect], found: Plan, alike: dict[str, list[tuple[str, float]]]) -> Table:
-    sights = {sight.name: sight for sight in found.sights}
+def _table(effects: Sequence[Effect], plan: Plan, alike: dict[str, list[tuple[str, float]]]) -> Table:
+    sights = {sight.name: sight for sight in plan.sights}
     rows: list[tuple[str | float | None, ...]] = []
     for effect in effects:
         unit = "" if effect.size.unit == "-" else f" {effect.size.unit}"

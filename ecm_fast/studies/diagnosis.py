@@ -174,7 +174,7 @@ class Study:
 
     def next_loads(
         self,
-        found: Diagnosis | Mapping[str, Any],
+        diagnosis: Diagnosis | Mapping[str, Any],
         *,
         minutes: float = 20.0,
         repeats: int = 3,
@@ -191,7 +191,7 @@ class Study:
         pool : loads to choose from; default all that the test bed can do
         check_single : whether an answer without look-alikes is checked against its nearest rivals
         """
-        result = found.to_json_dict() if isinstance(found, Diagnosis) else found
+        result = diagnosis.to_json_dict() if isinstance(diagnosis, Diagnosis) else diagnosis
         sets, alone = in_question(result["models"], result.get("transfer", ()))
         if len(sets) < 2 or (alone and not check_single):
             return None
@@ -203,7 +203,7 @@ class Study:
         return next_loads(rivals, self.fitted, sigma=sigma, minutes=minutes, repeats=repeats, pool=pool,
                           first_alone=alone, **known)  # fmt: skip
 
-    def page(self, found: Diagnosis, path: str | os.PathLike[str], further: NextLoads | None = None) -> Path:
+    def page(self, diagnosis: Diagnosis, path: str | os.PathLike[str], further: NextLoads | None = None) -> Path:
         """Write the page of a diagnosis, and beside it the numbers of its pictures; return its path.
 
         Parameters
@@ -220,9 +220,9 @@ class Study:
 
         if self.progress:
             self.progress("report")
-        tests = parity(found.rows.data[0], found.rows.before) if len(found.rows.data) == 1 else None
-        return write_diagnosis(found, self.mechanism, Path(path), parity=tests, plan=self.plan(), next_loads=further,
-                               notes=found.noticed, priors=self.priors)  # fmt: skip
+        tests = parity(diagnosis.rows.data[0], diagnosis.rows.before) if len(diagnosis.rows.data) == 1 else None
+        return write_diagnosis(diagnosis, self.mechanism, Path(path), parity=tests, plan=self.plan(),
+                               next_loads=further, notes=diagnosis.noticed, priors=self.priors)  # fmt: skip
 
 
 def diagnose(

@@ -129,7 +129,7 @@ def measure(
 
 def readings(
     mechanism: Mechanism,
-    found: Equilibria,
+    equilibria: Equilibria,
     sensors: Sensors | None = None,
     seed: Seed = 0,
     *,
@@ -139,10 +139,10 @@ def readings(
 
     Each instrument and each kind of error has its own stream of random numbers: to switch one on leaves the rest.
     """
-    use, loads = sensors or Sensors(), found.loads
+    use, loads = sensors or Sensors(), equilibria.loads
     streams = dict(zip(("camera", "force", "outlier"), np.random.default_rng(seed).spawn(3), strict=True))
     lam = _force_cells(use, loads.lam, _elapsed(loads), streams["force"])
-    picture = seen(named(mechanism, hidden), found.pose, loads)
+    picture = seen(named(mechanism, hidden), equilibria.pose, loads)
     pose = _camera(use, picture, _elapsed(loads), streams["camera"], streams["outlier"])
     known = (*use.camera_sigma, use.force_sigma)
     sigmas: dict[str, Any] = {

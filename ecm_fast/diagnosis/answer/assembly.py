@@ -56,7 +56,7 @@ def _in_words(view: Linearization) -> str:
 
 def assemble(
     problem: Problem,
-    found: Selection,
+    selection: Selection,
     tests: Sequence[Problem],
     *,
     alpha: float,
@@ -77,22 +77,22 @@ def assemble(
     known : stiffnesses of which material tests say what takes the place of the mechanism's value
     noticed : findings about the measurements
     """
-    baseline, view, best = found.baseline, found.view, found.best
-    before, after = found.null.state(problem), best.state(problem)
+    baseline, view, best = selection.baseline, selection.view, selection.best
+    before, after = selection.null.state(problem), best.state(problem)
     around = problem.state(problem.keys_of(view.model), view.values)
     weights = problem.weights(view.noise, around)
-    without = _without_each(found)
+    without = _without_each(selection)
     lacking = {problem.candidates[i].name: fit.state(problem) for i, fit in without.items() if fit.model}
-    opened = Residuals.from_states(problem, before, after, weights, found.scale, lacking)
+    opened = Residuals.from_states(problem, before, after, weights, selection.scale, lacking)
     shown_gap, far = gap(problem, opened, problem.locked, "rows set aside", seed)
-    effects, missing = claims(found, without), missing_columns(problem)
+    effects, missing = claims(selection, without), missing_columns(problem)
     seen = sights(baseline, alpha, seed)
-    verdict = verdict_of(effects, outside=found.outside, gap_in_data=bool(missing) and view.cleaned.memory > 0.2)
+    verdict = verdict_of(effects, outside=selection.outside, gap_in_data=bool(missing) and view.cleaned.memory > 0.2)
     left = None
     if verdict in ("outside_catalogue", "data_gap"):
         left = remainder(problem, view, opened, compliances(problem, before), problem.locked)
-    calibrated_now, noise = estimates(best, found), _noise(view)
-    transfers = tuple(entry for test in tests if (entry := transfer(test, found, noise, seed)))
+    calibrated_now, noise = estimates(best, selection), _noise(view)
+    transfers = tuple(entry for test in tests if (entry := transfer(test, selection, noise, seed)))
     lost = [*((int(i), "outlier") for i in [*view.outliers, *far]),
             *((int(i), "no stable equilibrium") for i in np.flatnonzero(~around.stable))]  # fmt: skip
     return Diagnosis(
@@ -100,42 +100,42 @@ def assemble(
         sentence=sentence(verdict, effects, shown_gap, seen, missing, left, transfers, only),
         effects=effects,
         calibration=calibrated_now,
-        before=estimates(found.null, found),
+        before=estimates(selection.null, selection),
         dimensions=_by_name(best.build),
-        dimensions_before=_by_name(found.null.build),
+        dimensions_before=_by_name(selection.null.build),
         mechanism=problem.mechanism.replace(**best.as_built()),
         gap=shown_gap,
         transfer=transfers,
-        models=found.models(),
-        gates=found.gates,
+        models=selection.models(),
+        gates=selection.gates,
         sights=seen,
         noise=noise,
-        where=where(baseline, seed) if any(gate.alarm for gate in found.gates) else None,
+        where=where(baseline, seed) if any(gate.alarm for gate in selection.gates) else None,
         remainder=left,
         outliers=tuple((problem.rows.where(i), reason) for i, reason in lost),
         missing=missing,
         noticed=noticed,
         warnings=(
             *not_carried(transfers, [claim.name for claim in effects]),
-            *found.doubts,
-            *(excess_noise(view) if found.effects else ()),
-            *nearest(found),
+            *selection.doubts,
+            *(excess_noise(view) if selection.effects else ()),
+            *nearest(selection),
             *mesh_caveats(problem.unresolved),
             *size_caveats(effects, problem.mechanism),
             *correlation_caveats(best, problem.candidates),
             *stiffness_caveats(calibrated_now, problem.mechanism, {find(name).name for name in known}),
         ),
-        alarms=alarms(found),
+        alarms=alarms(selection),
         rows=_rows(problem, opened, before, view, far),
         seconds=0.0,
     )
 
 
-def _without_each(found: Selection) -> dict[int, Fit]:
+def _without_each(selection: Selection) -> dict[int, Fit]:
     """Return, by the place of each effect found, the fit of all but it; the most needed one comes first."""
-    best = found.best
+    best = selection.best
     rest = {i: tuple(other for other in best.model if other != i) for i in best.model}
-    fits = {i: refit(found.view, others, best.by_key()) if others else found.null for i, others in rest.items()}
+    fits = {i: refit(selection.view, others, best.by_key()) if others else selection.null for i, others in rest.items()}
     return dict(sorted(fits.items(), key=lambda item: -item[1].total))
 
 

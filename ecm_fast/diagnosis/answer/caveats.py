@@ -93,13 +93,13 @@ def _doubts(calibration: Mapping[str, Estimate], mechanism: Mechanism, tested: C
                    f"its place")  # fmt: skip
 
 
-def alarms(found: Selection) -> tuple[str, ...]:
+def alarms(selection: Selection) -> tuple[str, ...]:
     """Return one line for every parameter that leaves its range in the calibration without effects."""
-    return (*_priors(found), *_range(found))
+    return (*_priors(selection), *_range(selection))
 
 
-def _priors(found: Selection) -> Iterator[str]:
-    fit, problem = found.null, found.view.problem
+def _priors(selection: Selection) -> Iterator[str]:
+    fit, problem = selection.null, selection.view.problem
     information = np.linalg.pinv(fit.covariance, hermitian=True)
     for i in problem.prior.known[~problem.prior.rough[problem.prior.known]]:
         center, std = problem.prior.center[i], problem.prior.std[i]
@@ -122,8 +122,8 @@ def _away(entry: Quantity, center: float, std: float, wanted: float, doubt: floa
     return f"without any effect the data want {entry.name} = {fitted.rounded}, {known}"
 
 
-def _range(found: Selection) -> Iterator[str]:
-    fit = found.best
+def _range(selection: Selection) -> Iterator[str]:
+    fit = selection.best
     place = {key: i for i, key in enumerate(fit.keys)}
     ea, ga = place[STIFFNESS_KEYS[0]], place[STIFFNESS_KEYS[1]]
     share = fit.values[ga] / fit.values[ea]

@@ -16,31 +16,31 @@ __all__ = ["claims", "estimates"]
 LEVEL = 0.90  # of intervals
 
 
-def estimates(fit: Fit, found: Selection) -> Mapping[str, Estimate]:
+def estimates(fit: Fit, selection: Selection) -> Mapping[str, Estimate]:
     """Return what calibration moved, by short name, with intervals."""
-    count = len(found.view.problem.keys)
-    return {find(key).name: _estimate(fit, i, found) for i, key in enumerate(fit.keys[:count])}
+    count = len(selection.view.problem.keys)
+    return {find(key).name: _estimate(fit, i, selection) for i, key in enumerate(fit.keys[:count])}
 
 
-def _estimate(fit: Fit, i: int, found: Selection) -> Estimate:
+def _estimate(fit: Fit, i: int, selection: Selection) -> Estimate:
     entry, value, std = find(fit.keys[i]), float(fit.values[i]), float(np.sqrt(fit.covariance[i, i]))
-    reach = t_quantile(LEVEL, found.view.cleaned.dof) * std
+    reach = t_quantile(LEVEL, selection.view.cleaned.dof) * std
     return Estimate(value, std, max(value - reach, entry.lower), min(value + reach, entry.upper), entry.unit)
 
 
-def claims(found: Selection, without: Mapping[int, Fit]) -> tuple[Claim, ...]:
+def claims(selection: Selection, without: Mapping[int, Fit]) -> tuple[Claim, ...]:
     """Return one claim for every effect of the best explanation, in the order of the fits without it, by its place."""
-    if not found.effects:
+    if not selection.effects:
         return ()
-    fit, candidates = found.best, found.view.problem.candidates
-    models = [model for model in found.models() if len(model.names) == found.effects and model.in_set]
+    fit, candidates = selection.best, selection.view.problem.candidates
+    models = [model for model in selection.models() if len(model.names) == selection.effects and model.in_set]
     names = tuple(candidates[i].name for i in fit.model)
     answer = []
     for i, rest in without.items():
         candidate = candidates[i]
         keys = {key: fit.keys.index(key) for key in candidate.keys}
-        fitted = {find(key).name: _estimate(fit, at, found) for key, at in keys.items()}
-        others, chance = _look_alikes(models, names, fit.model.index(i), found)
+        fitted = {find(key).name: _estimate(fit, at, selection) for key, at in keys.items()}
+        others, chance = _look_alikes(models, names, fit.model.index(i), selection)
         answer.append(
             Claim(
                 name=candidate.name,
@@ -57,7 +57,7 @@ def claims(found: Selection, without: Mapping[int, Fit]) -> tuple[Claim, ...]:
 
 
 def _look_alikes(
-    models: list[Model], names: tuple[str, ...], place: int, found: Selection
+    models: list[Model], names: tuple[str, ...], place: int, selection: Selection
 ) -> tuple[tuple[str, ...], float]:
     """Return the names that stand in for one of the best explanation, and that one's own chance."""
     weights = np.exp(-0.5 * np.array([model.behind for model in models]))
@@ -68,14 +68,14 @@ def _look_alikes(
             continue
         new = [name for name in model.names if name not in names]
         stays = [name for name in names if name in model.names]
-        others += new if stays else [_nearest(new, names, place, found)]
+        others += new if stays else [_nearest(new, names, place, selection)]
     unique = tuple(dict.fromkeys(name for name in others if name))
     return unique, unshared / float(weights.sum())
 
 
-def _nearest(new: list[str], names: tuple[str, ...], place: int, found: Selection) -> str:
+def _nearest(new: list[str], names: tuple[str, ...], place: int, selection: Selection) -> str:
     """Return which of two new names stands in for the one at `place`."""
-    place_of = {candidate.name: i for i, candidate in enumerate(found.view.problem.candidates)}
-    cosine = np.abs(found.baseline.gram.cosine)
+    place_of = {candidate.name: i for i, candidate in enumerate(selection.view.problem.candidates)}
+    cosine = np.abs(selection.baseline.gram.cosine)
     alike = [cosine[place_of[name], place_of[names[place]]] for name in new]
     return new[int(np.argmax(alike))] if new else ""

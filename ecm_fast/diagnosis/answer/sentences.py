@@ -115,18 +115,18 @@ def missing_columns(problem: Problem) -> tuple[str, ...]:
     return tuple(found)
 
 
-def nearest(found: Selection) -> tuple[str, ...]:
+def nearest(selection: Selection) -> tuple[str, ...]:
     """Return a line on what comes nearest where nothing explains."""
-    fit = found.closest_fit
-    if not found.outside or fit is None:
+    fit = selection.closest_fit
+    if not selection.outside or fit is None:
         return ()
     values, sizes = fit.by_key(), list[str]()
-    for name in found.names(fit):
+    for name in selection.names(fit):
         entry = CATALOGUE[name].size
         sizes.append(f"{name} = {values[entry.key]:.3g}{'' if entry.unit == '-' else f' {entry.unit}'}")
-    closest = found.closest or found.view
+    closest = selection.closest or selection.view
     reason = implausible(fit, closest)
-    if not reason and leaves_most(closest, found.baseline):
+    if not reason and leaves_most(closest, selection.baseline):
         reason = "it leaves more than half of the misfit"
     return (f"{' with '.join(sizes)} comes nearest, but {reason or 'the tests still see something beyond it'}",)
 

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 _RIVALS = 5  # runners-up that are tried on the test file
 
 
-def transfer(test: Problem, found: Selection, noise: Noise, seed: int) -> Transfer | None:
+def transfer(test: Problem, selection: Selection, noise: Noise, seed: int) -> Transfer | None:
     """Return the gap on an experiment that was never fitted; None where no reading of it can be used.
 
     Parameters
@@ -37,33 +37,35 @@ def transfer(test: Problem, found: Selection, noise: Noise, seed: int) -> Transf
     noise : of these data
     seed : of the blocks that are drawn again
     """
-    before, after = (fit.state(test) for fit in (found.null, found.best))
+    before, after = (fit.state(test) for fit in (selection.null, selection.best))
     known = test.noise(test.rows.at(test.start(test.keys)))
     sigma = np.where(known.origin == RESIDUAL, np.asarray(noise.sigma), known.sigma)  # else it would fit by definition
     known = replace(known, sigma=np.where(sigma > 0.0, sigma, known.sigma))
-    opened = Residuals.from_states(test, before, after, test.weights(known, after), np.maximum(found.scale, 1.0))
+    opened = Residuals.from_states(test, before, after, test.weights(known, after), np.maximum(selection.scale, 1.0))
     part = test.data[0]
     shown_gap, far = gap(test, opened, np.ones(part.n, dtype=bool), part.source, seed)
     if shown_gap is None:
         return None
     whitened = opened.whitened(opened.after)
     whitened[far] = np.nan
-    adapted, count = _adapted(opened, after, found.best, whitened), int(np.isfinite(whitened).sum())
+    adapted, count = _adapted(opened, after, selection.best, whitened), int(np.isfinite(whitened).sum())
     return Transfer(
         **vars(shown_gap),
         allowed=allowed(count),
         adapted=adapted,
         left_out=int(far.size),
-        rivals=tuple(_rivals(test, found, opened, far)),
+        rivals=tuple(_rivals(test, selection, opened, far)),
     )
 
 
-def _rivals(test: Problem, found: Selection, opened: Residuals, far: NDArray[np.int64]) -> Iterator[tuple[str, float]]:
+def _rivals(
+    test: Problem, selection: Selection, opened: Residuals, far: NDArray[np.int64]
+) -> Iterator[tuple[str, float]]:
     """Yield the next best explanations and what they leave of the experiment [sigma]."""
-    for fit in found.runners_up[:_RIVALS]:
+    for fit in selection.runners_up[:_RIVALS]:
         whitened = opened.whitened(test.rows.measured - fit.state(test).pose)
         whitened[far] = np.nan
-        yield " with ".join(found.names(fit)), float(np.sqrt(np.nanmean(whitened**2)))
+        yield " with ".join(selection.names(fit)), float(np.sqrt(np.nanmean(whitened**2)))
 
 
 def _adapted(opened: Residuals, after: State, fit: Fit, whitened: Array) -> float:

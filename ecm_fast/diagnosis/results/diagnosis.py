@@ -140,12 +140,12 @@ class Diagnosis:
         return "\n".join(lines) + ">"
 
 
-def _estimates(found: Mapping[str, Estimate]) -> dict[str, Any]:
+def _estimates(estimates: Mapping[str, Estimate]) -> dict[str, Any]:
     columns = ("value", "std", "lower", "upper")
-    return {name: {key: getattr(estimate, key) for key in columns} for name, estimate in found.items()}
+    return {name: {key: getattr(estimate, key) for key in columns} for name, estimate in estimates.items()}
 
 
-def _remainder(found: Remainder | None) -> dict[str, Any] | None:
-    if found is None:
+def _remainder(remainder: Remainder | None) -> dict[str, Any] | None:
+    if remainder is None:
         return None
-    return {"closed": found.closed, "resembles": found.resembles, "cosine": found.cosine}
+    return {"closed": remainder.closed, "resembles": remainder.resembles, "cosine": remainder.cosine}

@@ -58,9 +58,9 @@ class Transfer(HoldoutMisfit):
         return {**super().to_json_dict(), **verdicts, "rivals": rivals}
 
 
-def not_carried(found: Sequence[Transfer], names: Sequence[str]) -> tuple[str, ...]:
+def not_carried(transfers: Sequence[Transfer], names: Sequence[str]) -> tuple[str, ...]:
     """Return a sentence for every experiment that the model with `names` in it does not meet."""
-    return tuple(_missed(entry, names) for entry in found if not entry.carries_over)
+    return tuple(_missed(entry, names) for entry in transfers if not entry.carries_over)
 
 
 def _missed(entry: Transfer, names: Sequence[str]) -> str:
@@ -80,9 +80,9 @@ def _missed(entry: Transfer, names: Sequence[str]) -> str:
             f"Fit both: give this file as data beside the other.")  # fmt: skip
 
 
-def carried(found: Sequence[Transfer], names: Sequence[str]) -> tuple[str, ...]:
+def carried(transfers: Sequence[Transfer], names: Sequence[str]) -> tuple[str, ...]:
     """Return a sentence for every experiment that the model with `names` in it meets."""
-    return tuple(_met(entry, names) for entry in found if entry.carries_over)
+    return tuple(_met(entry, names) for entry in transfers if entry.carries_over)
 
 
 def _met(entry: Transfer, names: Sequence[str]) -> str:

@@ -124,28 +124,30 @@ def refit(view: Linearization, model: tuple[int, ...], start: Mapping[str, float
     return _judged(found, view, model, tuple(solver.names), scales)
 
 
-def _judged(found: Minimum, view: Linearization, model: tuple[int, ...], keys: tuple[str, ...], scales: Scales) -> Fit:
+def _judged(
+    minimum: Minimum, view: Linearization, model: tuple[int, ...], keys: tuple[str, ...], scales: Scales
+) -> Fit:
     """Return the fit with its evidence, Laplace's approximation: the calibrated parameters' own share cancels."""
     p, calibrated, members = len(keys), len(view.problem.keys), [view.problem.candidates[i] for i in model]
-    scale = np.sqrt((found.jacobian**2).sum(axis=0))
+    scale = np.sqrt((minimum.jacobian**2).sum(axis=0))
     scale[scale == 0.0] = 1.0
-    normal = (found.jacobian / scale).T @ (found.jacobian / scale)
+    normal = (minimum.jacobian / scale).T @ (minimum.jacobian / scale)
     values, vectors = np.linalg.eigh(normal)
     covariance = (vectors / np.maximum(values, 1e-12)) @ vectors.T / np.outer(scale, scale)
     spread = np.array([std for member in members for std in member.spread])
     posterior = covariance[calibrated:p, calibrated:p] / np.outer(spread, spread)
-    evidence = -found.total
+    evidence = -minimum.total
     if posterior.size:
         evidence += float(np.linalg.slogdet(posterior)[1])
         sizes = np.cumsum([0, *(len(member.keys) for member in members)])[:-1]
         start = np.array([value for member in members for value in member.start])
-        size = ((found.values[calibrated:p] - start) / spread)[sizes]
+        size = ((minimum.values[calibrated:p] - start) / spread)[sizes]
         std = np.sqrt(np.diag(posterior))[sizes]
         evidence += float(size_factor(size, std, np.array([member.one_sided for member in members])).sum())
-    slope = scales.slope(found.values[:p])
+    slope = scales.slope(minimum.values[:p])
     covariance = covariance[:p, :p] * np.outer(slope, slope)
-    fitted, build = _with_build(scales.values(found.values[:p]), keys, view, found.values[p:])
-    return Fit(model, keys, fitted, covariance, found.total, evidence, found.settled, build)
+    fitted, build = _with_build(scales.values(minimum.values[:p]), keys, view, minimum.values[p:])
+    return Fit(model, keys, fitted, covariance, minimum.total, evidence, minimum.settled, build)
 
 
 def _with_build(

@@ -125,9 +125,9 @@ def select(
     return Selection(baseline, baseline, refit(baseline, (), baseline.values), fits, gates, 0, True, (), closest)
 
 
-def trial(found: Fits, baseline: Linearization, alpha: float, seed: int) -> Trial:
+def trial(ranked: Fits, baseline: Linearization, alpha: float, seed: int) -> Trial:
     """Test the best of some explanations; rows on which an alarm rests alone are left out."""
-    view, null, fits = found
+    view, null, fits = ranked
     reduced, gates = drop_single_row_alarms(view, alpha, seed)
     if reduced is not view:
         known = {fit.model: fit for fit in fits}

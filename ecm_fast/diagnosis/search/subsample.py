@@ -118,13 +118,13 @@ def _to_all(problem: Problem, baseline: Linearization, few: Selection, near: lis
     return view, refit(view, (), few.null.by_key()), fits
 
 
-def _pairs_of(few: Selection, found: Fits) -> list[Fit]:
+def _pairs_of(few: Selection, ranked: Fits) -> list[Fit]:
     """Return pairs to try where one effect is not enough for all rows, the most promising first.
 
     A second effect that a share of the rows does not show is small, and the linear model of all rows ranks it; pairs
     without the first one are those that the share finds no worse.
     """
-    view, _, fits = found
+    view, _, fits = ranked
     first, pairs = fits[0].model[0], view.gram.pairs()
     with_first = (pairs.first == first) | (pairs.second == first)
     seen = with_first & (view.gram.norm[pairs.first] > 0.0) & (view.gram.norm[pairs.second] > 0.0)
@@ -140,14 +140,14 @@ def _pairs_of(few: Selection, found: Fits) -> list[Fit]:
 def _of_two(
     baseline: Linearization,
     gates: tuple[LackOfFit, ...],
-    found: Fits,
+    ranked: Fits,
     singles: Sequence[Fit],
     alpha: float,
     seed: int,
     enough: str = "",
 ) -> Selection:
     """Return whether two effects are enough, and better than the `singles`; `enough` names one that passes alone."""
-    two = trial(found, baseline, alpha, seed)
+    two = trial(ranked, baseline, alpha, seed)
     alone = [refit(two.view, fit.model, fit.by_key()) for fit in singles]
     fits, gates = {1: alone, 2: two.fits}, (*gates, *two.gates)
     gain = two.fits[0].evidence - max(fit.evidence for fit in (two.null, *alone)) if two.fits else 0.0

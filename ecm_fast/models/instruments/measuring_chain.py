@@ -198,12 +198,12 @@ class MeasuringChain:
             total += dpose[PARAMETERS[place].key] * slope[:, None]
         return total
 
-    def _see(self, rows: Array, keys: Sequence[str], found: Sensitivities, *, always: bool) -> None:
+    def _see(self, rows: Array, keys: Sequence[str], solved: Sensitivities, *, always: bool) -> None:
         """Turn poses into readings, and their derivatives with them."""
         at = {place: keys.index(PARAMETERS[place].key) for place in _CAMERA if PARAMETERS[place].key in keys}
         if not at and not always:
             return
         which, columns = np.array([*at], dtype=np.int64), np.array([*at.values()], dtype=np.int64)
         c_par, J = np.zeros(rows.shape[1], dtype=complex), np.empty((3, 3))
-        pose, by = found.pose, found.dpose_dpar
-        read_derivatives(rows, which, columns, c_par, J, pose, found.jacobian, found.compliance, by)
+        pose, by = solved.pose, solved.dpose_dpar
+        read_derivatives(rows, which, columns, c_par, J, pose, solved.jacobian, solved.compliance, by)

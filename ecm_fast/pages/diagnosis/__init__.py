@@ -34,7 +34,7 @@ _TITLES = {
 
 
 def write_diagnosis(
-    found: Diagnosis,
+    diagnosis: Diagnosis,
     mechanism: Mechanism,
     path: Path,
     *,
@@ -61,25 +61,27 @@ def write_diagnosis(
     ------
     InputError : a file cannot be written, or matplotlib or jinja2 is missing.
     """
-    story = Story(found, mechanism)
+    story = Story(diagnosis, mechanism)
     sections = [
         _first(story, next_loads),
-        Section("Where it disagrees", _where(found, parity), (), _kept(
+        Section("Where it disagrees", _where(diagnosis, parity), (), _kept(
             workspace(story), residual_maps(story), parity_split(story), loops(story), wrench_arrows(story))),
-        Section("What explains it", (), (_effects(found),) if found.effects else (), _kept(
+        Section("What explains it", (), (_effects(diagnosis),) if diagnosis.effects else (), _kept(
             evidence_bars(story), cosine_matrix(plan) if plan else None, parameter_profiles(story, priors or {}))),
-        Section("What is left", _left(found), (), _kept(left_over(story), stiffness(story))),
+        Section("What is left", _left(diagnosis), (), _kept(left_over(story), stiffness(story))),
     ]  # fmt: skip
     if next_loads and next_loads.suggestions:
         sections.append(
             Section("What to measure next", next_loads.remarks, (_next(next_loads),), _kept(promise(next_loads)))
         )
-    sections.append(Section("What these data can show", _invisible(found), (_sights(found),)))
-    count = int(found.rows.locked.size)
+    sections.append(Section("What these data can show", _invisible(diagnosis), (_sights(diagnosis),)))
+    count = int(diagnosis.rows.locked.size)
     drawn = (f"Maps and loops show {MOST} of {count} rows, evenly over the order of measurement.",) * (count > MOST)
-    warnings = (*drawn, *notes, *found.warnings, *found.alarms)
-    sections.append(Section("To know before this is used", (*_noise(found, mechanism), *warnings), _outliers(found)))
-    return write_report(path, _TITLES[found.verdict], sections)
+    warnings = (*drawn, *notes, *diagnosis.warnings, *diagnosis.alarms)
+    sections.append(
+        Section("To know before this is used", (*_noise(diagnosis, mechanism), *warnings), _outliers(diagnosis))
+    )
+    return write_report(path, _TITLES[diagnosis.verdict], sections)
 
 
 def _kept(*pictures: Picture | None) -> tuple[Picture, ...]:
@@ -106,11 +108,11 @@ def _first(story: Story, next_loads: NextLoads | None) -> Section:
     return Section("", tuple(sentences), tables, _kept(gap_bar(story)))
 
 
-def _first_load(found: NextLoads) -> str:
-    first = found.suggestions[0]
+def _first_load(suggested: NextLoads) -> str:
+    first = suggested.suggestions[0]
     loads = ", ".join(f"{name} {value:g}" for name, value in first.loads.items())
     mount = "" if first.mount == "nothing" else f" (mount: {first.mount})"
-    apart = f"{first.promised_sigma:.1f} sigma apart instead of {found.worst_before:.1f}"
+    apart = f"{first.promised_sigma:.1f} sigma apart instead of {suggested.worst_before:.1f}"
     return f"Measure next: {first.repeats} times {loads}{mount}, {first.minutes:.1f} minutes; the set is then {apart}."
 
 
@@ -133,30 +135,30 @@ def _gap_table(story: Story) -> Table:
     return Table("The gap; percentages are of the measured workspace", head, tuple(rows))
 
 
-def _where(found: Diagnosis, parity: Parity | None) -> tuple[str, ...]:
+def _where(diagnosis: Diagnosis, parity: Parity | None) -> tuple[str, ...]:
     out = []
     if parity:
         out.append(f"Without any model: {parity.sentence}.")
         out += [f"{test!r}." for test in parity.tests.values()]
-    if found.where:
-        parts = ", ".join(f"{name} {share:.0%}" for name, share in found.where.components.items())
-        channels = ", ".join(f"{name} {share:.0%}" for name, share in found.where.channels.items())
+    if diagnosis.where:
+        parts = ", ".join(f"{name} {share:.0%}" for name, share in diagnosis.where.components.items())
+        channels = ", ".join(f"{name} {share:.0%}" for name, share in diagnosis.where.channels.items())
         out.append(f"What one effect of each part of the mechanism could explain: {parts}. By channel: {channels}.")
-        if found.where.region:
-            out.append(f"The disagreement is local: {found.where.region} (chance {found.where.chance:.2g}).")
+        if diagnosis.where.region:
+            out.append(f"The disagreement is local: {diagnosis.where.region} (chance {diagnosis.where.chance:.2g}).")
     return tuple(out)
 
 
-def _effects(found: Diagnosis) -> Table:
+def _effects(diagnosis: Diagnosis) -> Table:
     rows: list[tuple[str | float | None, ...]] = []
-    for claim in found.effects:
+    for claim in diagnosis.effects:
         others = ", ".join(claim.look_alikes) or "none"
         for name, value in claim.parameters.items():
             low, high = claim.interval[name]
             rows.append((_with_unit(name), value, low, high, claim.sigmas, MIRRORS[claim.mirror], claim.family, others))
     rows += [
         (_with_unit(name), entry.value, entry.lower, entry.upper, None, "", "", "")
-        for name, entry in found.calibration.items()
+        for name, entry in diagnosis.calibration.items()
     ]
     head = ("parameter", "value", "lower", "upper", "sigma", "mirror", "family", "look-alikes")
     return Table("What was found, with 90 % intervals", head, tuple(rows))
@@ -167,20 +169,20 @@ def _with_unit(name: str) -> str:
     return name if unit == "-" else f"{name} [{unit}]"
 
 
-def _left(found: Diagnosis) -> tuple[str, ...]:
+def _left(diagnosis: Diagnosis) -> tuple[str, ...]:
     gates = [
         f"{_GATES.get(gate.name, gate.name)}, {_ADDED[gate.stage]}: p {gate.p:.2g}{', alarm' if gate.alarm else ''}"
-        for gate in found.gates
+        for gate in diagnosis.gates
     ]
     out = [f"Tests for structure: {'; '.join(gates)}."] if gates else []
-    if found.remainder:
-        closed, near = f"{found.remainder.closed:.0%}", found.remainder.resembles
+    if diagnosis.remainder:
+        closed, near = f"{diagnosis.remainder.closed:.0%}", diagnosis.remainder.resembles
         out.append(f"A smooth wrench that no parameter could make explains {closed} of what is left; it resembles "
                    f"{near}, which does not explain it.")  # fmt: skip
     return tuple(out)
 
 
-def _next(found: NextLoads) -> Table:
+def _next(suggested: NextLoads) -> Table:
     rows: list[tuple[str | float | None, ...]] = [
         (
             f"{entry.repeats} x " + ", ".join(f"{name} {value:g}" for name, value in entry.loads.items()),
@@ -189,29 +191,31 @@ def _next(found: NextLoads) -> Table:
             entry.promised_sigma,
             " against ".join(entry.split),
         )
-        for entry in found.suggestions
+        for entry in suggested.suggestions
     ]
     head = ("loads", "mount", "minutes", "promised sigma", "closest then")
-    return Table(f"To tell apart {'; '.join(found.names)}: {found.worst_before:.2g} sigma now", head, tuple(rows))
+    return Table(
+        f"To tell apart {'; '.join(suggested.names)}: {suggested.worst_before:.2g} sigma now", head, tuple(rows)
+    )
 
 
-def _invisible(found: Diagnosis) -> tuple[str, ...]:
+def _invisible(diagnosis: Diagnosis) -> tuple[str, ...]:
     out = []
     for visible, words in (
         ("absorbed", "EA, GA and EI take in what these would do"),
         ("invisible", "too small to see"),
     ):
-        names = [sight.name for sight in found.sights if sight.visible == visible]
+        names = [sight.name for sight in diagnosis.sights if sight.visible == visible]
         if names:
             out.append(f"Cannot be found here, {words}: {', '.join(names)}.")
-    if found.missing:
-        out.append(f"Columns that would tell more: {', '.join(found.missing)}.")
+    if diagnosis.missing:
+        out.append(f"Columns that would tell more: {', '.join(diagnosis.missing)}.")
     return tuple(out)
 
 
-def _sights(found: Diagnosis) -> Table:
+def _sights(diagnosis: Diagnosis) -> Table:
     rows: list[tuple[str | float | None, ...]] = []
-    for sight in sorted(found.sights, key=lambda sight: -sight.sigmas):
+    for sight in sorted(diagnosis.sights, key=lambda sight: -sight.sigmas):
         unit = "" if sight.unit == "-" else f" {sight.unit}"
         rivals = ", ".join(f"{name} {apart:.1f}" for name, _, apart in sight.rivals[:3])
         numbers = (f"{sight.typical:g}{unit}", sight.sigmas, sight.smallest)
@@ -220,19 +224,19 @@ def _sights(found: Diagnosis) -> Table:
     return Table("Every effect of the catalogue in these poses", head, tuple(rows))
 
 
-def _noise(found: Diagnosis, given: Mechanism) -> tuple[str, ...]:
-    noise = found.noise
+def _noise(diagnosis: Diagnosis, given: Mechanism) -> tuple[str, ...]:
+    noise = diagnosis.noise
     x, z, theta = (1e3 * value for value in noise.sigma)
     origin = ", ".join(f"{name} {word}" for name, word in noise.origin.items() if word)
     times = ", ".join(f"{value:.2f}" for value in noise.scale)
-    built = dimensions(found.dimensions, given.effects) or "none is given here"
+    built = dimensions(diagnosis.dimensions, given.effects) or "none is given here"
     return (f"Noise assumed: x {x:.3g} mm, z {z:.3g} mm, θ {theta:.3g} mrad, forces {noise.force:.3g} N ({origin}). "
             f"Each may drift by {DRIFT:g} of it from the first to the last row. "
             f"What is left is {times} times the noise in x, z, θ.",
             f"The build may be off by its tolerances (ecm-fast effects); {built}.")  # fmt: skip
 
 
-def _outliers(found: Diagnosis) -> tuple[Table, ...]:
-    if not found.outliers:
+def _outliers(diagnosis: Diagnosis) -> tuple[Table, ...]:
+    if not diagnosis.outliers:
         return ()
-    return (Table("Rows left out", ("row", "why"), tuple(found.outliers[:_NAMES])),)
+    return (Table("Rows left out", ("row", "why"), tuple(diagnosis.outliers[:_NAMES])),)

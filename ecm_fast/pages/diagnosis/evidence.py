@@ -93,13 +93,13 @@ def evidence_bars(story: Story) -> Picture | None:
     return Picture("evidence", f"{caption}tell from the best.", figure, columns)
 
 
-def cosine_matrix(found: Plan) -> Picture:
+def cosine_matrix(plan: Plan) -> Picture:
     """Cosines between signatures in these poses, effects of a family side by side."""
-    families = list(dict.fromkeys(CATALOGUE[name].family for name in found.names))
-    kept = [i for i in range(len(found.names)) if np.abs(found.cosines[i]).any()]
-    order = sorted(kept, key=lambda i: families.index(CATALOGUE[found.names[i]].family))
-    names = [found.names[i] for i in order]
-    values = found.cosines[np.ix_(order, order)]
+    families = list(dict.fromkeys(CATALOGUE[name].family for name in plan.names))
+    kept = [i for i in range(len(plan.names)) if np.abs(plan.cosines[i]).any()]
+    order = sorted(kept, key=lambda i: families.index(CATALOGUE[plan.names[i]].family))
+    names = [plan.names[i] for i in order]
+    values = plan.cosines[np.ix_(order, order)]
     with canvas(7.2, 6.6) as figure:
         figure.set_layout_engine("none")
         axes = figure.add_axes((0.2, 0.2, 0.72, 0.78))
@@ -246,10 +246,10 @@ def stiffness(story: Story) -> Picture:
     return Picture("stiffness", caption, figure, columns)
 
 
-def promise(found: NextLoads) -> Picture:
+def promise(suggested: NextLoads) -> Picture:
     """Gain of the next loads, and that of each add-on alone."""
-    minutes = np.cumsum([0.0, *(entry.minutes for entry in found.suggestions)])
-    sigma = np.array([found.worst_before, *(entry.promised_sigma for entry in found.suggestions)])
+    minutes = np.cumsum([0.0, *(entry.minutes for entry in suggested.suggestions)])
+    sigma = np.array([suggested.worst_before, *(entry.promised_sigma for entry in suggested.suggestions)])
     with canvas(7.2, 2.6) as figure:
         left, right = figure.subplots(1, 2)
         left.plot(minutes, sigma, "o-", color=COLORS[0])
@@ -258,7 +258,7 @@ def promise(found: NextLoads) -> Picture:
         left.set_ylabel("smallest distance in the set [sigma]")
         left.set_ylim(bottom=0.0)
         left.grid(True)
-        right.barh(list(found.alone), list(found.alone.values()), color=COLORS[0])
+        right.barh(list(suggested.alone), list(suggested.alone.values()), color=COLORS[0])
         right.set_xlabel("after the best single load with it [sigma]")
         right.grid(True, axis="x")
     columns = {"minutes": minutes, "promised_sigma": sigma}

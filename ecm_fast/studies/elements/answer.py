@@ -19,8 +19,8 @@ _STRAINS = (("linear-strain", "quadratic"), ("quadratic-strain", "cubic"), ("cub
 
 def answer(study: ElementStudy) -> tuple[str, ...]:
     """Return the answer, a paragraph a text."""
-    found = _Found(study)
-    parts = _how_few(study), _to_one(found), _locking(found), _knowing(found), _uneven(found)
+    measured = _MeasuredByKind(study)
+    parts = _how_few(study), _to_one(measured), _locking(measured), _knowing(measured), _uneven(measured)
     return tuple(text for text in (" ".join(sentences) for sentences in parts) if text)
 
 
@@ -41,7 +41,7 @@ def counts_needed(study: ElementStudy) -> dict[str, list[int | None]]:
     return counts
 
 
-class _Found:
+class _MeasuredByKind:
     """Measured candidates by kind, number of elements and mesh; None where one was not."""
 
     def __init__(self, study: ElementStudy) -> None:
@@ -80,9 +80,9 @@ def _how_few(study: ElementStudy) -> Iterator[str]:
         yield f"To keep errors of the tip below {asked} it takes {'; '.join(texts)} elements of equal length."
 
 
-def _to_one(found: _Found) -> Iterator[str]:
-    single = [row for row in (found(kind, 1) for kind in _ORDERS) if row is not None]
-    paper = found("linear", _PAPER)
+def _to_one(measured: _MeasuredByKind) -> Iterator[str]:
+    single = [row for row in (measured(kind, 1) for kind in _ORDERS) if row is not None]
+    paper = measured("linear", _PAPER)
     better = [row for row in single if paper is not None and row.error <= paper.error]
     if better and paper is not None:
         yield (f"The number can be reduced to one: {_costs(better[0])} is more exact than {_costs(paper)}: "
@@ -95,23 +95,23 @@ def _to_one(found: _Found) -> Iterator[str]:
                f"{short(least.error)}, {paper.candidate.name} leave {short(paper.error)}.")  # fmt: skip
 
 
-def _locking(found: _Found) -> Iterator[str]:
-    for loose, locked in found.pairs([(("linear", _PAPER, "even"), ("linear, 2 Gauss points", _PAPER, "even"))]):
+def _locking(measured: _MeasuredByKind) -> Iterator[str]:
+    for loose, locked in measured.pairs([(("linear", _PAPER, "even"), ("linear, 2 Gauss points", _PAPER, "even"))]):
         yield (f"With two Gauss points linear elements lock in shear: {_PAPER} leave {short(locked.error)}, "
                f"{_times(locked, loose)} times what they leave with one.")  # fmt: skip
 
 
-def _knowing(found: _Found) -> Iterator[str]:
-    for arcs, lines in found.pairs([(("SE(2)", _PAPER, "even"), ("linear", _PAPER, "even"))]):
+def _knowing(measured: _MeasuredByKind) -> Iterator[str]:
+    for arcs, lines in measured.pairs([(("SE(2)", _PAPER, "even"), ("linear", _PAPER, "even"))]):
         yield (f"Elements that know the deformed centerline as an arc of constant strains, SE(2), leave "
                f"{_times(arcs, lines)} times the error of as many linear ones, {short(arcs.error)} for {_PAPER}; the "
-               f"errors fall with the powers {found.power('SE(2)'):.2f} and {found.power('linear'):.2f} of the element "
-               f"length, theory says 2.")  # fmt: skip
+               f"errors fall with the powers {measured.power('SE(2)'):.2f} and {measured.power('linear'):.2f} of the "
+               f"element length, theory says 2.")  # fmt: skip
     kinds = [((strain, 1, "even"), (lagrange, 1, "even")) for strain, lagrange in _STRAINS]
-    if ratios := [f"{_times(one, other)} ({one.candidate.kind})" for one, other in found.pairs(kinds)]:
+    if ratios := [f"{_times(one, other)} ({one.candidate.kind})" for one, other in measured.pairs(kinds)]:
         yield (f"One element of polynomial strains leaves, beside the Lagrange element with as many unknowns, "
                f"{_joined(ratios)} times the error.")  # fmt: skip
-    for higher, arcs in found.pairs([(("quadratic", _PAPER // 2, "even"), ("SE(2)", _PAPER, "even"))]):
+    for higher, arcs in measured.pairs([(("quadratic", _PAPER // 2, "even"), ("SE(2)", _PAPER, "even"))]):
         yield (f"A higher order gains {'more' if higher.error < arcs.error else 'less'}: {higher.candidate.name}, with "
                f"as many unknowns as {arcs.candidate.name}, leave {short(higher.error)} instead of "
                f"{short(arcs.error)}, {higher.microseconds} instead of {arcs.microseconds} a solve.")  # fmt: skip
@@ -119,12 +119,12 @@ def _knowing(found: _Found) -> Iterator[str]:
                "and rebuild the centerline from them as strain elements do.")  # fmt: skip
 
 
-def _uneven(found: _Found) -> Iterator[str]:
-    for mesh in sorted(found.meshes):
+def _uneven(measured: _MeasuredByKind) -> Iterator[str]:
+    for mesh in sorted(measured.meshes):
         kinds = [((kind, n, mesh), (kind, n, "even")) for kind in (*_ORDERS, "SE(2)") for n in (3, 4, 10)]
         texts = [
             f"{one.candidate.elements} {one.candidate.kind} {short(one.error)} instead of {short(other.error)}"
-            for one, other in found.pairs(kinds)
+            for one, other in measured.pairs(kinds)
         ]
         if texts:
             yield f"Elements {mesh} leave, beside as many equal ones: {'; '.join(texts)}."

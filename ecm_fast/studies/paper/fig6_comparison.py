@@ -128,11 +128,11 @@ def errors(model: FiniteElementModel, poly: PolynomialModel, data: Measurements)
     )
 
 
-def _claims(preset: str, case: str, found: Errors) -> list[PaperClaim]:
-    shares = found.shares()
+def _claims(preset: str, case: str, errors: Errors) -> list[PaperClaim]:
+    shares = errors.shares()
     (_, fem), (_, poly) = shares["FEM"], shares["polynomial"]
     where = f"Fig. 6, preset {preset}, neck {case} (simulated)"
-    x, z, theta = np.abs(found.pose).max(axis=0) * [MM, MM, DEG]
+    x, z, theta = np.abs(errors.pose).max(axis=0) * [MM, MM, DEG]
     return [
         PaperClaim(
             f"{where}: error of the FEM, largest, of the workspace",
@@ -161,12 +161,12 @@ def _percent(names: Mapping[str, float], shares: Array) -> str:
     return ", ".join(f"{name} {100.0 * share:.1f} %" for name, share in zip(names, shares, strict=True))
 
 
-def _rows(preset: str, case: str, found: Errors) -> list[tuple[str | float | None, ...]]:
-    shares = found.shares()
+def _rows(preset: str, case: str, of_case: Errors) -> list[tuple[str | float | None, ...]]:
+    shares = of_case.shares()
     rows: list[tuple[str | float | None, ...]] = []
     for model, paper, error, scales, units in (
-        ("FEM", _FEM, found.pose, (MM, MM, DEG), ("mm", "mm", "deg")),
-        ("polynomial", _POLYNOMIAL, found.wrench, (1.0, 1.0, 1.0), ("N", "N", "N m")),
+        ("FEM", _FEM, of_case.pose, (MM, MM, DEG), ("mm", "mm", "deg")),
+        ("polynomial", _POLYNOMIAL, of_case.wrench, (1.0, 1.0, 1.0), ("N", "N", "N m")),
     ):
         rms, largest = 100.0 * shares[model]
         for i, (name, value) in enumerate(paper.items()):
@@ -176,21 +176,21 @@ def _rows(preset: str, case: str, found: Errors) -> list[tuple[str | float | Non
     return rows
 
 
-def _numbers(found: Errors) -> dict[str, Any]:
+def _numbers(errors: Errors) -> dict[str, Any]:
     return {
         model: {
             kind: dict(zip(names, values.tolist(), strict=True))
             for kind, values in zip(("rms_share", "largest_share"), shares, strict=True)
         }
-        for (model, shares), names in zip(found.shares().items(), (CHANNEL_KEYS, COMPONENTS), strict=True)
+        for (model, shares), names in zip(errors.shares().items(), (CHANNEL_KEYS, COMPONENTS), strict=True)
     }
 
 
-def _picture(preset: str, case: str, found: Errors) -> Picture:
-    theta = np.rad2deg(found.data.theta)
+def _picture(preset: str, case: str, errors: Errors) -> Picture:
+    theta = np.rad2deg(errors.data.theta)
     panels = (
-        ("FEM: measured less predicted pose", found.pose / found.workspace, ("x", "z", "θ"), "workspace"),
-        ("polynomial: measured less predicted wrench", found.wrench / found.wrenches, ("fx", "fz", "τ"), "range"),
+        ("FEM: measured less predicted pose", errors.pose / errors.workspace, ("x", "z", "θ"), "workspace"),
+        ("polynomial: measured less predicted wrench", errors.wrench / errors.wrenches, ("fx", "fz", "τ"), "range"),
     )
     with canvas(7.2, 3.2, f"{SIMULATED}; neck {case}") as figure:
         for axes, (title, shares, names, extent) in zip(figure.subplots(1, 2), panels, strict=True):
@@ -208,10 +208,10 @@ def _picture(preset: str, case: str, found: Errors) -> Picture:
         "cubic polynomial leaves of the wrenches."
     )
     columns = {
-        "lam_l_N": found.data.lam_l,
-        "lam_r_N": found.data.lam_r,
-        **{f"measured_{name}": column for name, column in by_channel(found.data.pose).items()},
-        **{f"error_{name}": column for name, column in by_channel(found.pose).items()},
-        **by_component(found.wrench, "error_"),
+        "lam_l_N": errors.data.lam_l,
+        "lam_r_N": errors.data.lam_r,
+        **{f"measured_{name}": column for name, column in by_channel(errors.data.pose).items()},
+        **{f"error_{name}": column for name, column in by_channel(errors.pose).items()},
+        **by_component(errors.wrench, "error_"),
     }
     return Picture(f"comparison_{preset}_{case.replace(' ', '_')}", caption, figure, columns)

@@ -46,9 +46,9 @@ def times(seed: int = 0, n: int = 100, batch: int = 512, rounds: int = 2) -> Par
     return Part(claims, numbers, Section("Computing time (Fig. 7)", sentences, (table,), _pictures(found)))
 
 
-def _claims(preset: str, found: Fig7) -> list[PaperClaim]:
+def _claims(preset: str, fig: Fig7) -> list[PaperClaim]:
     claims = []
-    for row in found.rows:
+    for row in fig.rows:
         if row["way"] in _CLAIMED:
             factor = row["polynomials"]
             ours, other = 1e6 * row["median_s"], 1e6 * row["median_s"] / factor
@@ -63,9 +63,9 @@ def _claims(preset: str, found: Fig7) -> list[PaperClaim]:
     return claims
 
 
-def _pictures(found: Mapping[str, Fig7]) -> tuple[Picture, ...]:
+def _pictures(figs: Mapping[str, Fig7]) -> tuple[Picture, ...]:
     pictures = []
-    for preset, fig in found.items():
+    for preset, fig in figs.items():
         columns = {f"{name.replace(', ', '_').replace(' ', '_')}_s": np.asarray(taken).tolist()
                    for name, taken in fig.times.items()}  # fmt: skip
         caption = f"Fig. 7, preset {preset}: histograms of the time of one answer, on a logarithmic scale."

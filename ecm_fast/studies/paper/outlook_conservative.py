@@ -24,7 +24,7 @@ _KINDS = {"free": False, "conservative": True}
 _SAME, _BETTER = 1.1, 0.9
 """Rms errors up to the first of these factors count as no worse, up to the second as better."""
 _NAMES = ("fx", "fz", "τ")
-_Found = Mapping[tuple[str, int], Array]
+_Errors = Mapping[tuple[str, int], Array]
 
 
 def kinds(seed: int = 0, draws: int = 5, n: int = 1000, tests: int = 300) -> Part:
@@ -70,9 +70,9 @@ def _rms(preset: str, seed: int, draws: int, n: int, tests: int) -> dict[tuple[s
     }
 
 
-def _claims(preset: str, found: _Found) -> list[PaperClaim]:
-    loss = found["conservative", 3] / found["free", 3]
-    change = found["conservative", 4] / found["free", 3]
+def _claims(preset: str, errors: _Errors) -> list[PaperClaim]:
+    loss = errors["conservative", 3] / errors["free", 3]
+    change = errors["conservative", 4] / errors["free", 3]
     few, many = coefficient_count("conservative", 3), coefficient_count("free", 3)
     most = coefficient_count("conservative", 4)
     return [
@@ -97,25 +97,25 @@ def _factors(factors: Array) -> str:
     return ", ".join(f"{name} {factor:.3g}" for name, factor in zip(_NAMES, factors, strict=True))
 
 
-def _table(preset: str, found: _Found, draws: int) -> Table:
+def _table(preset: str, errors: _Errors, draws: int) -> Table:
     rows = tuple(
         (f"{kind}, degree {degree}", coefficient_count(kind, degree), *rms.tolist())
-        for (kind, degree), rms in found.items()
+        for (kind, degree), rms in errors.items()
     )
     head = ("polynomial", "coefficients", "fx [N]", "fz [N]", "tau [N m]")
     return Table(f"Preset {preset}: rms errors at poses not trained on, median of {draws} draws", head, rows)
 
 
-def _picture(found: Mapping[str, _Found]) -> Picture:
+def _picture(by_preset: Mapping[str, _Errors]) -> Picture:
     columns: dict[str, list[Any]] = {name: [] for name in ("preset", "kind", "degree", "coefficients")}
     columns |= {f"rms_{name}": [] for name in COMPONENTS}
-    for preset, entries in found.items():
+    for preset, entries in by_preset.items():
         for (kind, degree), rms in entries.items():
             row = (preset, kind, degree, coefficient_count(kind, degree), *rms.tolist())
             for column, value in zip(columns.values(), row, strict=True):
                 column.append(value)
     with canvas(7.2, 3.4) as figure:
-        for axes, (preset, entries) in zip(figure.subplots(1, 2), found.items(), strict=True):
+        for axes, (preset, entries) in zip(figure.subplots(1, 2), by_preset.items(), strict=True):
             for i, name in enumerate(_NAMES):
                 for kind, style in (("free", "o-"), ("conservative", "s--")):
                     count = [coefficient_count(kind, degree) for degree in _DEGREES]

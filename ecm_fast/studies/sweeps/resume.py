@@ -96,11 +96,11 @@ def keep_rows(folder: Path, spec: SweepSpec, workers: Workers, progress: Progres
     todo, sums = list[int](), _checksums(folder)
     statuses, failing, done = Tally({}).statuses, list[int](), 0
 
-    def note(number: int, found: Mapping[str, int]) -> None:
+    def note(number: int, counts: Mapping[str, int]) -> None:
         nonlocal done
-        for name, count in found.items():
+        for name, count in counts.items():
             statuses[name] += count
-        if found["converged"] < spec.rows(number):
+        if counts["converged"] < spec.rows(number):
             failing.append(number)
         done += spec.rows(number)
 
