@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..data.columns import COLUMNS, usual_sigma
 from ..errors import InputError, real, shown
 from .rows import FitRows, State
-from .variance_components import VarianceComponents, variance_components
+from .variance_components import MEDIAN_TO_SIGMA, VarianceComponents, variance_components
 
 __all__ = ["DECLARED", "RESIDUAL", "ReadingNoise", "check_force_sigma"]
 
@@ -21,7 +21,6 @@ DECLARED, REPLICATES, RESIDUAL = "declared", "replicates", "residual"
 _SMALLEST_SIGMA = 1e-8  # [m, rad] what the default discretization is good for
 _ROUNDING = 1e-12  # of a variance that the forces make: below it the camera's share cannot be told from rounding
 _FEWEST_REPEATS = 6  # degrees of freedom that a scatter of repeated loads is taken from
-_MEDIAN_TO_SIGMA = 1.4826  # of Gaussian noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +100,7 @@ class ReadingNoise:
         for group, channel in self._groups(rows, used):
             off = residual[group, channel]
             kept = max(off.size * (1.0 - lost), 1.0)
-            spread = (_MEDIAN_TO_SIGMA * np.median(np.abs(off))) ** 2 * off.size
+            spread = (MEDIAN_TO_SIGMA * np.median(np.abs(off))) ** 2 * off.size
             share = float(carried[group, channel, channel].mean())
             sigma[group, channel] = _camera(float(spread) / kept, share)
         return sigma

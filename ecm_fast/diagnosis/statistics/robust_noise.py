@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ...identification.variance_components import MEDIAN_TO_SIGMA
+
 __all__ = ["NoiseFit", "RowOrder", "clean", "orthonormal", "removal"]
 
 Array = NDArray[np.float64]
@@ -24,7 +26,7 @@ _MOST = 0.1  # largest share of the rows that may be outliers
 _ROUNDS = 10  # reweightings; scale and tail then stand to a per cent
 _DECLARED_DOF = 10.0  # readings that a declared noise is worth: known to 22 %
 _LARGEST_MEMORY, _FEWEST_PAIRS = 0.9, 20  # a correlation beyond is a trend; pairs of rows that fix it to 0.2
-_MEDIAN_TO_SIGMA, _WITHIN_THREE = 1.4826, 1.0136  # of Gaussian noise
+_WITHIN_THREE = 1.0136  # standard deviation of Gaussian noise over that of its part within three of them
 _HEAVIER = 1.0
 """Gain of the log-likelihood for which a heavier tail is taken."""
 _ALMOST = 1e-3  # keeps a row that alone speaks for something from being judged by rounding
@@ -196,7 +198,7 @@ def _spread(off: Array, good: Mask) -> Array:
     found = np.ones(3)
     for channel in np.flatnonzero(good.any(axis=0)):
         size = np.abs(off[good[:, channel], channel])
-        scale = _MEDIAN_TO_SIGMA * float(np.median(size))
+        scale = MEDIAN_TO_SIGMA * float(np.median(size))
         for _ in range(3):
             inside = size[size <= 3.0 * scale]
             scale = _WITHIN_THREE * float(np.sqrt(np.mean(inside**2))) if inside.size else scale
