@@ -237,7 +237,7 @@ class WeightedFit:
 
 
 def _doubtful(fit: Identification, measured: Array) -> bool:
-    """Whether a better minimum is worth a search: rows left out, a fit that did not settle, or readings far off."""
+    """Whether a better minimum is worth a search: rows left out, a fit that did not converge, or readings far off."""
     return bool(fit.left_out) or not fit.settled or bool(far_off(fit, measured))
 
 

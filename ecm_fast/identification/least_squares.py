@@ -21,8 +21,8 @@ Residuals = Callable[[Array], tuple[Array, Array] | None]
 
 NEAR = 1e-6
 """Distance to the minimum, in standard deviations, at which it counts as reached."""
-_STEPS = 60  # at most; a fit that takes more is told not to have settled
-_ROUNDING = 1e-14  # a decrease below this share of the sum cannot be told from rounding
+_STEPS = 60  # at most; a fit that takes more counts as not converged
+_ROUNDING = 1e-14  # a decrease below this share of the sum is rounding
 _STALLED = 1e-10  # nor, where a step fails, can a promised one below this share from what the residuals are good for
 _UNSEEN = 1e-14  # smallest eigenvalue of the scaled normal matrix whose direction is moved along, of the largest
 _MOST_DAMPING = 1e12  # a step as small as this leaves no number changed

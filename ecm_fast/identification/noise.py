@@ -19,7 +19,7 @@ DECLARED, REPLICATES, RESIDUAL = "declared", "replicates", "residual"
 """Sources of a standard deviation."""
 
 _SMALLEST_SIGMA = 1e-8  # [m, rad] what the default discretization is good for
-_ROUNDING = 1e-12  # of a variance that the forces make: below it the camera's share cannot be told from rounding
+_ROUNDING = 1e-12  # of a variance that the forces make: below it the camera's share is rounding
 _FEWEST_REPEATS = 6  # degrees of freedom that a scatter of repeated loads is taken from
 
 

@@ -30,7 +30,7 @@ _SMALLEST_SIGMA = 1e-8  # [m, rad] what the default discretization is good for
 MEDIAN_TO_SIGMA, _MEDIAN_EFFICIENCY = 1.4826, 0.37  # of the median absolute deviation of Gaussian noise
 _STEPS, _CLOSE, _LONGEST = 40, 1e-4, 1.0  # of the logarithms of the variances
 _UNSEEN = 1e-14  # smallest eigenvalue of the scaled normal matrix that counts, of the largest
-_LEAST = 1e-9  # degrees of freedom and variance ratios that are told from none
+_LEAST = 1e-9  # smallest degrees of freedom and variance ratios that count
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,7 @@ class Quantity:
     key : dotted name, the section and the name in a mechanism file, e.g. ``beam.EA``
     unit : SI unit in plain ASCII, ``-`` when it has none
     meaning : one line
-    default : value when nothing is said
+    default : value where none is given
     lower, upper : closed bounds; outside them a value is refused
     typical : the size one expects (a prior's scale), in the same unit
     status : where the default comes from

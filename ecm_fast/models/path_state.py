@@ -75,7 +75,7 @@ PathChoice = Literal["ignore"] | PathState | None
 
 
 def check_order(effects: Sequence[str], path: object, what: str) -> None:
-    """Raise where poses depend on the order of loads, which `what` does not know, and nothing is said about it.
+    """Raise where poses depend on the order of loads, which `what` does not know, and `path` is None.
 
     effects : of the path that there are
 

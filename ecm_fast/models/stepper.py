@@ -167,7 +167,7 @@ class Stepper:
 
         Raises
         ------
-        InputError : the mechanism has no effect of the path, or it was told to be ignored.
+        InputError : the mechanism has no effect of the path, or `path="ignore"` was given.
         """
         past = self._path("state")
         with self._core.lock:

@@ -60,7 +60,7 @@ def _rows(data: Measurements) -> list[Finding]:
 
 
 def _columns(data: Measurements) -> list[Finding]:
-    """Return what cannot be told because columns are not there."""
+    """Return which questions missing columns leave open."""
     out = []
     for column, values in (("t_s", data.t), ("dwell_s", data.dwell)):
         names = [effect.name for effect in CATALOGUE.values() if column in effect.needs]

@@ -29,7 +29,7 @@ _LEAST_GAIN = 1e-6  # gain of the criterion below which another reading is waste
 _HOPE = 3.0
 """Explanations that all the time on the best load leaves closer than this are one for the search."""
 _RIGID = 1e3
-"""Times stiffer than another one: nothing can be told from rigid there, and a fit that begins there stays."""
+"""Largest ratio of two fits of a stiffness: beyond it the section is as good as rigid."""
 _LONGER = (2, 4, 8, 16, 32)
 """Times the time there is that are tried where it will not do."""
 

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 STIFFNESS_KEYS = tuple(f"beam.{name}" for name in STIFFNESSES)
 _STIFFEST = 1e-3
-"""Smallest compliance, in those of the start: stiffer than that, nothing can be told from rigid."""
+"""Smallest compliance, in those of the start: stiffer than that, nothing differs from rigid."""
 
 
 @dataclass(frozen=True, eq=False)

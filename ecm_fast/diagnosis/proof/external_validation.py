@@ -28,7 +28,7 @@ _RIVALS = 5  # runners-up that are tried on the test file
 
 
 def transfer(test: Problem, selection: Selection, noise: Noise, seed: int) -> Transfer | None:
-    """Return the gap on an experiment that was never fitted; None where no reading of it can be used.
+    """Return the residuals on an experiment that was never fitted; None where no reading of it can be used.
 
     Parameters
     ----------

@@ -74,7 +74,7 @@ class Residuals:
 def gap(
     problem: Problem, opened: Residuals, rows: Mask, what: str, seed: int
 ) -> tuple[HoldoutMisfit | None, NDArray[np.int64]]:
-    """Return the gap on some rows, and those of them that are outliers."""
+    """Return the error on some rows, and those of them that are outliers."""
     after = opened.whitened(opened.after)
     use = rows & np.isfinite(after).any(axis=1)
     far = use & (np.nanmax(np.where(np.isfinite(after), np.abs(after), 0.0), axis=1) > _OUTLIER)

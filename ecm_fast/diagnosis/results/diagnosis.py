@@ -60,7 +60,7 @@ class Diagnosis:
     where : where the calibrated model disagrees; None where it does not
     remainder : of what is outside the catalogue
     outliers : place and reason of rows left out
-    missing : columns whose absence keeps names from being told
+    missing : columns without which effects cannot be distinguished
     noticed : findings about the measurements, see `Study.check`
     warnings : what to know before the answer is used
     alarms : parameters that calibration drives away from their material tests

@@ -26,7 +26,7 @@ def allowed(readings: int) -> float:
 
 @dataclass(frozen=True)
 class Transfer(HoldoutMisfit):
-    """The gap on an experiment that was never fitted.
+    """Residuals on an experiment that was never fitted, before and after.
 
     Attributes
     ----------

@@ -129,7 +129,7 @@ class Detectability:
     smallest : size that is found nine times in ten; inf where none is
     kept : share of the signature that calibration leaves
     rivals : nearest others: name, cosine, sigmas that a typical size is away from them
-    visible : ``named``, ``seen`` (but not told from its rivals), ``absorbed`` by the calibration or ``invisible``
+    visible : ``named``, ``seen`` (beside rivals as good), ``absorbed`` by the calibration or ``invisible``
     needs : columns that are missing for it to show
     shown_by, shown_sigmas : where it does not show: what would, one reading of each load of a kind or tests of the
         material, and the sigmas that a typical size would then have; empty and 0 where nothing on this test bed does

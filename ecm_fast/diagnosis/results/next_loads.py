@@ -12,7 +12,7 @@ __all__ = ["ENOUGH", "NextLoads", "Suggestion"]
 Array = NDArray[np.float64]
 
 ENOUGH = 8.0
-"""Sigmas from which on two explanations count as told apart."""
+"""Sigmas from which on two explanations count as distinguished."""
 
 
 @dataclass(frozen=True)

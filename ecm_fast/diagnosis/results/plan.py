@@ -25,7 +25,7 @@ class Plan:
     cosines : (k, k) between signatures, calibrated parameters projected out; 0 where one is invisible
     distances : (k, k) sigmas between a typical size of the first and any size of the second
     noise : in words, what was assumed
-    missing : columns whose absence keeps names from being told
+    missing : columns without which effects cannot be distinguished
     warnings : loads that have no stable equilibrium, and the like
     """
 

@@ -15,7 +15,7 @@ __all__ = ["LIMITS", "Selection", "implausible", "leaves_most"]
 Array = NDArray[np.float64]
 
 LIMITS = {1: 5.0, 2: 9.2}
-"""Evidence that a model of so many effects may lack to the best one and still be told from it by nobody.
+"""Evidence that a model of so many effects may lack to the best one and still be indistinguishable from it.
 
 A given wrong rival leads the truth by that much with a chance of at most Phi(-sqrt(limit)), 1.3 % of one effect's."""
 _PLAUSIBLE = 6.0

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 NAMED, SMOOTH = 0.3, 0.1
 """Shares of the chance of a false alarm that the tests with and without names may use.
 
-The rest is for what noise is like in truth: tails, outliers and memory are told from the data, not known.
+The rest is for what noise is like in truth: tails, outliers and memory are estimated from the data.
 """
 _DRAWS = 10_000  # a chance of 1e-3 is then known to a third
 _SEEN = 1.0

@@ -175,7 +175,7 @@ def removal(residual: Array, q: Array, scale: Array | float = 1.0, below: int = 
 def _student(residual: Array, good: Mask, q: Array) -> tuple[Array, Array, float]:
     """Return fit (n, 3), scale (3,) and degrees of freedom of Student's t, by reweighting.
 
-    The tail is told from plain least squares: a robust fit of many columns makes any residual look heavy-tailed.
+    The tail is estimated from plain least squares: a robust fit of many columns makes any residual look heavy-tailed.
     """
     mask, flat = good.ravel(), np.where(good, residual, 0.0).ravel()
     inflate = np.sqrt(max(mask.sum(), 1) / max(mask.sum() - q.shape[1], 1))

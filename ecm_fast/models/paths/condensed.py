@@ -99,7 +99,7 @@ class Condensation:
     def fit_guess(self, lam_max: float, wrench: Array) -> Guess | None:
         """Return polynomials for where a solve with tendon forces up to `lam_max` under `wrench` should start.
 
-        None where the fast path does not vouch for the 64 solutions they are fitted to.
+        None where the fast path does not accept the 64 solutions they are fitted to.
         """
         at, basis, to_coefficients = _guess_fit()
         lam = 0.5 * lam_max * (1.0 + at)

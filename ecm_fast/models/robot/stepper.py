@@ -37,8 +37,8 @@ class TendonStepper:
 
     A call takes one number for each tendon, in the order of the file: its force [N], or its free length [m] where the
     stepper was made with ``lengths=("back",)``. It starts from the equilibrium of the call before, takes at most 60
-    Newton steps at given forces and 126 more to given lengths, allocates nothing and never raises for a number. What a
-    status means is told by `Status` and `Stepper`; under another than 0 the pose is nan.
+    Newton steps at given forces and 126 more to given lengths, allocates nothing and never raises for a number.
+    `Status` and `Stepper` say what a status means; under another than 0 the pose is nan.
 
     What else there is of the last call is made when asked for: `forces`, `lengths`, `jacobian`, `compliance`.
 
