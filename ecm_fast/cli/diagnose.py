@@ -10,6 +10,7 @@ from ..errors import InputError
 from .frame.arguments import (
     EXAMPLES,
     add_noise,
+    column_map,
     finite_number,
     measurements,
     mechanism,
@@ -31,7 +32,7 @@ _SHOWN = 8  # lines that fit a screen
 
 
 def _add_common(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("data", nargs="+", metavar="DATA", help="measurements: .csv, .parquet or .mat")
+    parser.add_argument("data", nargs="+", metavar="DATA", help="measurements: .csv, .xlsx, .parquet or .mat")
     parser.add_argument("--mechanism", metavar="F", help="mechanism file (TOML); default: the preset 'slender'")
     parser.add_argument(
         "--candidates",
@@ -162,6 +163,7 @@ def _inputs(args: argparse.Namespace) -> dict[str, Any]:
         "data": [str(Path(path).resolve()) for path in args.data],
         "priors": {name: list(prior) for name, prior in priors_by_name(args.prior).items()},
         "noise": numbers_by_name("--noise", args.noise),
+        "columns": None if (told := column_map(args)) is None else told.to_dict(),
     }
 
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..mechanism.catalogue import CATALOGUE, Effect
-from .frame.arguments import mechanism
+from .frame.arguments import add_columns, measurements, mechanism
 from .frame.command import Answer, Command, folder, saved
 
 __all__ = ["COMMAND"]
@@ -19,6 +19,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         help="measurements whose loads decide what looks alike; default: tendon forces",
     )
     parser.add_argument("--mechanism", metavar="F", help="mechanism file (TOML); default: the preset 'slender'")
+    add_columns(parser)
 
 
 def _run(args: argparse.Namespace) -> Answer:
@@ -32,14 +33,13 @@ def _run(args: argparse.Namespace) -> Answer:
 
 def _shown(args: argparse.Namespace, entries: list[dict[str, Any]]) -> tuple[str, ...]:
     """Add to the entries how they show on a mechanism; write the page where a folder is named."""
-    from ..data.measurements import read_measurements
     from ..pages.catalogue import look_alikes, write_catalogue
     from ..pages.page import require
     from ..studies.diagnosis import plan
     from ..testbed import tendon_test
 
     neck = mechanism(args)
-    data = None if args.data is None else read_measurements(args.data)
+    data = None if args.data is None else measurements(args.data, args)
     notes: tuple[str, ...] = ()
     if args.out is not None:
         require()

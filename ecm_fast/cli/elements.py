@@ -3,7 +3,7 @@
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from .frame.arguments import finite_number, mechanism
+from .frame.arguments import add_columns, finite_number, measurements, mechanism
 from .frame.command import IN_OUT, Answer, Command, folder
 from .frame.terminal import note
 
@@ -31,13 +31,14 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         help="error of the tip that is allowed, in lengths of the beam and rad; default 1e-3",
     )
     parser.add_argument("--family", metavar="NAME", help="lagrange, se2 or strain, the only one compared; default: all")
+    add_columns(parser)
 
 
 def _run(args: argparse.Namespace) -> Answer:
     from ..pages.page import require
 
     require()
-    neck, loads = mechanism(args), _loads(args.loads)
+    neck, loads = mechanism(args), _loads(args.loads, args)
     out = folder(args.out or "out")
     from ..studies.elements.page import summary, write_study
     from ..studies.elements.study import study_elements
@@ -47,10 +48,8 @@ def _run(args: argparse.Namespace) -> Answer:
     return Answer(found, _text(study), (f"wrote {out}",))
 
 
-def _loads(words: str) -> Any:
-    from ..data.measurements import read_measurements
-
-    return words if words in _DRAWN else read_measurements(words)
+def _loads(words: str, args: argparse.Namespace) -> Any:
+    return words if words in _DRAWN else measurements(words, args)
 
 
 def _text(study: "ElementStudy") -> str:

@@ -23,7 +23,7 @@ _SHOWN = 5  # lines that fit a screen
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("data", nargs="+", metavar="DATA", help="measurements with poses: .csv, .parquet or .mat")
+    parser.add_argument("data", nargs="+", metavar="DATA", help="measurements with poses: .csv, .xlsx, .parquet, .mat")
     parser.add_argument(
         "--fit", nargs="+", required=True, metavar="NAME", help="parameters, such as EA GA EI; others keep their values"
     )

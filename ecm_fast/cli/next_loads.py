@@ -17,7 +17,13 @@ __all__ = ["COMMAND"]
 
 _MODEL = {"names": [str], "in_set": bool, "refused": str, "behind": float}
 _RESULT = {
-    "inputs": {"mechanism": (str, None), "data": [str], "priors": {"*": [float]}, "noise?": {"*": float}},
+    "inputs": {
+        "mechanism": (str, None),
+        "data": [str],
+        "priors": {"*": [float]},
+        "noise?": {"*": float},
+        "columns?": ({"columns": {"*": str}}, None),
+    },
     "models": [_MODEL],
     "noise": {"sigma": [(float, None)], "force": (float, None)},
     "transfer?": [{"rivals?": [{"name": str, "carries_over": bool}]}],
@@ -47,6 +53,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
+    from ..data.column_map import ColumnMap
     from ..data.measurements import read_measurements
     from ..diagnosis.design.load_pool import ADD_ONS
     from ..diagnosis.design.next_loads import Pool, in_question
@@ -55,7 +62,8 @@ def _run(args: argparse.Namespace) -> Answer:
     result = _read(args.result)
     inputs = result["inputs"]
     neck = mechanism_of(inputs["mechanism"])
-    data = [read_measurements(path).with_noise(inputs.get("noise", {})) for path in inputs["data"]]
+    told = None if inputs.get("columns") is None else ColumnMap.from_dict(inputs["columns"])
+    data = [read_measurements(path, told).with_noise(inputs.get("noise", {})) for path in inputs["data"]]
     priors = {name: (float(value), float(std)) for name, (value, std) in inputs["priors"].items()}
     pool = Pool.from_add_ons(args.add_ons or ADD_ONS).within(numbers_by_name("--at-most", args.at_most))
     found = Study(neck, data, priors=priors).next_loads(

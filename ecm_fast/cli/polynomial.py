@@ -6,7 +6,16 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from .frame.arguments import add_model, add_path, count, discretization, finite_number, mechanism
+from .frame.arguments import (
+    add_columns,
+    add_model,
+    add_path,
+    count,
+    discretization,
+    finite_number,
+    measurements,
+    mechanism,
+)
 from .frame.command import IN_OUT, Answer, Command, folder, saved
 
 if TYPE_CHECKING:
@@ -32,10 +41,10 @@ def _add_fit_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=count, default=0, metavar="S", help="for these wrenches; default 0")
     add_model(parser)
     add_path(parser)
+    add_columns(parser)
 
 
 def _fit(args: argparse.Namespace) -> Answer:
-    from ..data.measurements import read_measurements
     from ..models.finite_element import FiniteElementModel
     from ..models.polynomial.model import PolynomialModel
     from ..models.polynomial.training import TrainingSet, training_poses, training_rows
@@ -43,7 +52,7 @@ def _fit(args: argparse.Namespace) -> Answer:
     model = FiniteElementModel(mechanism(args), **discretization(args))
     known = TrainingSet.empty()
     if args.data is not None:
-        known += training_rows(model, read_measurements(args.data), path=args.path)
+        known += training_rows(model, measurements(args.data, args), path=args.path)
     poses = args.poses if args.poses is not None or args.data is not None else _POSES
     if poses is not None:
         known += training_poses(model, poses, args.seed, path=args.path)
@@ -83,6 +92,7 @@ def _add_eval_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--mechanism", metavar="F", help="compare with the wrench of DATA's loads on this mechanism")
     add_path(parser)
+    add_columns(parser)
 
 
 def _eval(args: argparse.Namespace) -> Answer:
@@ -107,12 +117,11 @@ def _eval_pose(args: argparse.Namespace, poly: "PolynomialModel") -> tuple[dict[
 
 
 def _eval_data(args: argparse.Namespace, poly: "PolynomialModel") -> tuple[dict[str, Any], str, tuple[str, ...]]:
-    from ..data.measurements import read_measurements
     from ..files import csv_text, write_whole
     from ..models.finite_element import FiniteElementModel
     from ..models.polynomial.training import WrenchErrors, measured_wrenches
 
-    data = read_measurements(args.data)
+    data = measurements(args.data, args)
     columns = _by_column((*poly.inputs, *poly.outputs), [*data.pose.T, *poly.wrench(data.pose).T])
     rms = None
     if args.mechanism is not None:

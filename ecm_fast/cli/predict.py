@@ -18,7 +18,7 @@ _SHOWN = 5  # lines that fit a screen
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("data", metavar="DATA", help="measurements: .csv, .parquet or .mat; poses may be missing")
+    parser.add_argument("data", metavar="DATA", help="measurements (.csv, .xlsx, .parquet, .mat); poses may be missing")
     add_model(parser)
     add_noise(parser)
 

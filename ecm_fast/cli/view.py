@@ -5,7 +5,7 @@ import signal
 from functools import partial
 from typing import Any
 
-from .frame.arguments import count, mechanism
+from .frame.arguments import add_columns, count, measurements, mechanism
 from .frame.command import Answer, Command
 from .frame.terminal import note
 
@@ -15,15 +15,15 @@ __all__ = ["COMMAND"]
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mechanism", metavar="F", help="mechanism file (TOML); default: the preset 'slender'")
     parser.add_argument("--data", metavar="DATA", help="measurements whose poses are laid over the picture")
+    add_columns(parser)
     parser.add_argument("--port", metavar="N", type=count, default=0, help="of 127.0.0.1; default: a free one")
     parser.add_argument("--no-browser", action="store_true", help="open no browser; the address is on stderr")
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..data.measurements import read_measurements
     from ..pages.live import Page, Scene
 
-    data = None if args.data is None else read_measurements(args.data)
+    data = None if args.data is None else measurements(args.data, args)
     make = partial(Scene, mechanism(args), data)
     make().frame({"id": 0})  # compiles what is needed before anybody waits for it
     with Page(make, args.port) as page:

@@ -4,13 +4,13 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, did_you_mean
-from .units import ANGLE, COUPLE, FORCE, LENGTH, MASS, TEXT, TIME, Units, kind_of
+from .cells import DECIMAL_COMMA, is_blank, is_time, label, number, seconds, shown
+from .units import ANGLE, COUPLE, FORCE, LENGTH, MASS, OTHER, TEXT, TIME, Units, kind_of, unit_of
 
 __all__ = [
     "CAMERA_SIGMA",
@@ -23,8 +23,11 @@ __all__ = [
     "channel_key",
     "column_of",
     "foreign",
+    "is_known",
     "is_note",
+    "is_other",
     "match",
+    "unit_in",
     "usual_sigma",
 ]
 
@@ -39,11 +42,7 @@ CHANNEL_KEYS = ("x_m", "z_m", "theta_rad")
 CAMERA_SIGMA = (1e-4, 1e-4, 1e-3)
 """[m, m, rad] noise of a camera of which nothing is known; of a length as of a place."""
 
-_BLANKS = " \t"
 _LONGEST_LABEL = 100  # labels live in one fixed-width array: a single huge one would cost its length in every row
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-_DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
-
 
 _LARGEST = {"m": 1e3, "rad": 1e3, "N": 1e6, "Nm": 1e6, "s": 1e12, "kg": 1e6}
 """Largest size of a value by its SI unit, far beyond any neck: what is larger is a slip, and its square no number."""
@@ -84,70 +83,46 @@ class Column:
         bound = "" if self.lower == -math.inf else f" >= {self.lower:g}"
         return f"a finite number{bound}{', or a blank' if math.isnan(self.absent) else ''}"
 
-    def numbers(self, cells: Sequence[object], unit: str) -> tuple[NDArray[np.float64], dict[int, str]]:
-        """Return the values in SI, (n,), nan where blank, and for each bad cell what is wrong with it."""
+    def numbers(
+        self, cells: Sequence[object], unit: str, scale: float = 1.0
+    ) -> tuple[NDArray[np.float64], dict[int, str]]:
+        """Return the values in SI, (n,), nan where blank, and for each bad cell what is wrong with it.
+
+        A value is `scale` times what the cell says. Times of day and dates become seconds since the first.
+        """
+        if self.name == "t" and unit == "s" and any(map(is_time, cells)):
+            return seconds(cells)
         times, per = self.units[unit]
         values, bad = np.full(len(cells), math.nan), {}
         for i, cell in enumerate(cells):
-            if _is_blank(cell):
+            if is_blank(cell):
                 if not math.isnan(self.absent):
                     bad[i] = f"blank (allowed is {self.allowed}; write {self.absent:g} for none)"
                 continue
-            value = _plain_number(cell) * times / per
+            value = scale * number(cell) * times / per
             if self.lower <= value <= self.largest and value >= -self.largest:
                 values[i] = value
             elif self.largest < abs(value) < math.inf and value >= self.lower:
-                bad[i] = f"{_shown(cell)} (allowed is a size of at most {self.largest * per / times:g} {unit})"
+                bad[i] = f"{shown(cell)} (allowed is a size of at most {self.largest * per / times:g} {unit})"
             else:
-                comma = isinstance(cell, str) and _DECIMAL_COMMA.fullmatch(cell.strip(_BLANKS))
+                by = "" if scale == 1.0 else f" times {scale:g}"
+                comma = isinstance(cell, str) and DECIMAL_COMMA.fullmatch(cell.strip())
                 cure = "; decimals are written with a point" if comma else ""
-                bad[i] = f"{_shown(cell)} (allowed is {self.allowed}{cure})"
+                bad[i] = f"{shown(cell)}{by} (allowed is {self.allowed}{cure})"
         return values, bad
 
     def labels(self, cells: Sequence[object]) -> tuple[NDArray[np.str_], dict[int, str]]:
         """Return the cells as text, (n,), empty where blank, and for each bad cell what is wrong with it."""
         values, bad = [""] * len(cells), {}
         for i, cell in enumerate(cells):
-            if _is_blank(cell):
+            if cell is None or cell == "" or (isinstance(cell, str) and not cell.strip()):
                 continue
-            label = _plain_label(cell)
-            if label.isprintable() and 0 < len(label) <= _LONGEST_LABEL:
-                values[i] = label
+            text = label(cell)
+            if text.isprintable() and 0 < len(text) <= _LONGEST_LABEL:
+                values[i] = text
             else:
-                bad[i] = f"{_shown(cell)} (allowed is printable text of up to {_LONGEST_LABEL} characters, or a number)"
+                bad[i] = f"{shown(cell)} (allowed is printable text of up to {_LONGEST_LABEL} characters, or a number)"
         return np.array(values, dtype=np.str_), bad
-
-
-def _is_blank(cell: object) -> bool:
-    return cell is None or (isinstance(cell, str) and not cell.strip(_BLANKS))
-
-
-def _plain_number(cell: object) -> float:
-    """Return the number a cell holds, nan for anything else; `float` alone would take ``1_000`` and other scripts."""
-    if isinstance(cell, str):
-        text = cell.strip(_BLANKS)
-        return float(text) if _NUMBER.fullmatch(text) else math.nan
-    if isinstance(cell, bool) or not isinstance(cell, (int, float, Decimal)):
-        return math.nan
-    try:
-        return float(cell)
-    except (OverflowError, ValueError):  # an integer beyond doubles; a signaling NaN of a decimal
-        return math.inf
-
-
-def _plain_label(cell: object) -> str:
-    """Return a label's text, a whole number without decimals (MATLAB knows no others), nothing for anything else."""
-    if isinstance(cell, str):
-        return cell.strip(_BLANKS)
-    number = _plain_number(cell)
-    if not math.isfinite(number):
-        return ""
-    return str(int(number)) if number == int(number) else repr(number)
-
-
-def _shown(cell: object) -> str:
-    text = repr(cell) if isinstance(cell, str) else " ".join(repr(cell).split())
-    return text if len(text) <= 40 else f"{text[:36]} ..."
 
 
 def _declared(*columns: Column) -> Mapping[str, Column]:
@@ -178,9 +153,10 @@ COLUMNS = _declared(
 """Every column by its quantity, in the order of the fields of `Measurements`."""
 
 _ALSO_CALLED = {"time": "t", "angle": "theta", "rotation": "theta", "mass": "extra_mass", "side": "fz", "torque": "tau"}
-_IGNORE = "start its name with note_ to have it ignored"
+_IGNORE = "start its name with note_ to have it ignored, or have it named by ecm-fast import"
 
 _NAMED = re.compile(r"(lam|len)_([A-Za-z][A-Za-z0-9_-]*)_([A-Za-z]+)")
+_BRACKETS = re.compile(r"(.*\w)\s*[\[(]([^\[\]()]+)[\])]")
 _MARKER = re.compile(r"((?:sigma_)?)([A-Za-z][A-Za-z0-9_-]*)_(x|z|theta)_([A-Za-z]+)")
 
 _SUBJECTS = (*LOADS, *CHANNELS)
@@ -204,6 +180,29 @@ def _is_angle(channel: str) -> bool:
 def is_note(name: str) -> bool:
     """Tell whether a column is the user's own remark, which nobody reads."""
     return name.lower().startswith("note")
+
+
+def is_known(name: str) -> bool:
+    """Tell whether a name is that of a column, with a unit of it, or of a tendon or marker."""
+    try:
+        column_of(name)
+    except InputError:
+        return False
+    return True
+
+
+def is_other(name: str) -> bool:
+    """Tell whether a column says by its unit that it is no load and no pose, as ``temp_C``, and is nothing of ours."""
+    apart = _BRACKETS.fullmatch(name)
+    unit = apart[2].strip() if apart else name.rpartition("_")[2]
+    ours = any(name == known or name.startswith(f"{known}_") for known in COLUMNS)
+    return unit in OTHER and not ours and not is_known(name) and not foreign(name)
+
+
+def unit_in(name: str) -> str:
+    """Return the unit that a name gives in brackets or after its last ``_``, nothing where it gives none."""
+    apart = _BRACKETS.fullmatch(name)
+    return unit_of(apart[2] if apart else name.rpartition("_")[2] if "_" in name else "")
 
 
 def match(names: Iterable[str]) -> list[tuple[Column, str]]:
@@ -244,20 +243,24 @@ def column_of(name: str, place: int = 1) -> tuple[Column, str]:
     """
     if not name:
         raise InputError(f"column {place} has no name; name it or delete it")
+    if (apart := _BRACKETS.fullmatch(name)) and (unit := unit_of(apart[2])):
+        name = f"{apart[1]}_{unit}"
     if not any(name in column.names for column in COLUMNS.values()) and (named := _named(name)):
         return named
     # The longest quantity that fits: sigma_x_mm is sigma_x in mm.
     fitting = [column for column in COLUMNS.values() if name == column.name or name.startswith(f"{column.name}_")]
     column = max(fitting, key=lambda column: len(column.name), default=None)
+    unit = name[len(column.name) + 1 :] if column else ""
     if column and name in column.names:
-        return column, name[len(column.name) + 1 :]
+        return column, unit
+    if column and unit_of(unit) in column.units:
+        return column, unit_of(unit)
     if column and column.units:
-        unit = name[len(column.name) + 1 :]
-        wrong = f"{_shown(unit)} is not a unit of {column.name}" if unit else "the unit is missing"
-        raise InputError(f"column {_shown(name)}: {wrong}; allowed are {', '.join(column.names)}, or {_IGNORE}")
+        wrong = f"{shown(unit)} is not a unit of {column.name}" if unit else "the unit is missing"
+        raise InputError(f"column {shown(name)}: {wrong}; allowed are {', '.join(column.names)}, or {_IGNORE}")
     known = ", ".join(column.names[0] for column in COLUMNS.values())
     hint = foreign(name) or f" (known are {known}; of a robot lam_NAME_N, len_NAME_m, MARKER_x_m)"
-    raise InputError(f"unknown column {_shown(name)}{hint}; {_IGNORE}")
+    raise InputError(f"unknown column {shown(name)}{hint}; {_IGNORE}")
 
 
 def _named(name: str) -> tuple[Column, str] | None:

@@ -11,8 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, did_you_mean
 from ..files import csv_text, write_whole
-from .columns import CHANNELS, COLUMNS, PAIR, column_of, match
-from .readers import RawTable, read_table, table_of
+from .column_map import NOTE, ColumnMap, Told
+from .columns import CHANNELS, COLUMNS, PAIR, column_of, is_note, is_other, match
+from .grid import RawTable
+from .readers import files_of, is_pattern, read_table, table_of
 
 __all__ = ["Measurements", "read_measurements"]
 
@@ -41,6 +43,7 @@ class Measurements:
     counted : "line" or "row", what `rows` counts
     named : readings of named tendons and markers by their quantity, ``lam_front``, ``len_front``, ``M1_x``,
         ``sigma_M1_x``, nan where not given [N, m, m or rad]
+    ignored : columns of the file that are none of ours
     """
 
     lam_l: Floats
@@ -67,6 +70,7 @@ class Measurements:
     source: str
     counted: str
     named: Mapping[str, Floats] = field(default_factory=dict)
+    ignored: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for array in (*(getattr(self, name) for name in _ARRAYS), *self.named.values()):
@@ -257,24 +261,63 @@ class Measurements:
 _ARRAYS = (*COLUMNS, "rows")
 
 
-def read_measurements(path: str | os.PathLike[str]) -> Measurements:
-    """Read a measurement file: CSV (.csv, .txt), Parquet (.parquet) or MATLAB (.mat).
+def read_measurements(
+    path: str | os.PathLike[str],
+    columns: ColumnMap | Mapping[str, str] | str | os.PathLike[str] | None = None,
+) -> Measurements:
+    """Read a measurement file: text (.csv, .txt, .tsv, .dat, .asc), Excel (.xlsx), Parquet or MATLAB (.mat).
+
+    Parameters
+    ----------
+    path : of a file, or a pattern such as ``runs/*.csv``: every file that fits it becomes a session
+    columns : what the columns mean where they have other names: a map, e.g. ``{"F_left [N]": "lam_l_N"}``, or the path
+        of one as ``ecm-fast import`` writes it
 
     Raises
     ------
     InputError : the file cannot be read, or a column or cell is not what it can be; one line with file, line or
         row, column, the cell's content and what is allowed.
     """
+    told = ColumnMap.of(columns)
+    if is_pattern(path):
+        return _joined([read_measurements(each, told) for each in files_of(path)], str(path))
     try:
-        return Measurements(**_checked(read_table(path)), source=str(path))
+        if told is None:
+            return Measurements(**_checked(read_table(path)), source=str(path))
+        table = read_table(path, told.layout, bare=True)
+        return Measurements(**_checked(table, told), source=str(path))
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
 
 
-def _checked(table: RawTable) -> dict[str, Any]:
+def _joined(parts: Sequence[Measurements], source: str) -> Measurements:
+    """Return the rows of several files, each its own session."""
+    names = dict.fromkeys(name for part in parts for name in part.named)
+    named = {name: np.concatenate([part.named.get(name, np.full(part.n, np.nan)) for part in parts]) for name in names}
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in COLUMNS}
+    stems = [np.full(part.n, Path(part.source).stem) for part in parts]
+    labels = [[f"{stem} {label}".strip() for stem, label in zip(stems[i], part.session, strict=True)]
+              for i, part in enumerate(parts)]  # fmt: skip
+    arrays["session"] = np.array([label for each in labels for label in each])
+    columns = {column_of(name)[0].name: name for part in reversed(parts) for name in part.columns}
+    ignored = tuple(dict.fromkeys(name for part in parts for name in part.ignored))
+    rows = np.arange(1, sum(part.n for part in parts) + 1)
+    return Measurements(**arrays, rows=rows, columns=tuple(columns.values()), source=source, counted="row", named=named,
+                        ignored=ignored)  # fmt: skip
+
+
+def _checked(table: RawTable, told: ColumnMap | None = None) -> dict[str, Any]:
     """Return the fields of `Measurements` but its source."""
-    names = tuple(name for name, _ in table.columns)
-    matched = match(names)
+    names = [name for name, _ in table.columns]
+    if told is None:
+        ignored = [name for name in names if is_other(name)]
+        meant = [Told(NOTE if name in ignored else name) for name in names]
+    else:
+        meant, ignored = told.read(names)
+    kept = [
+        (name, cells, own) for (name, cells), own in zip(table.columns, meant, strict=True) if not is_note(own.name)
+    ]
+    matched = match(own.name for _, _, own in kept)
     n = len(table.rows)
     if n == 0:
         raise InputError("names columns but holds no rows")
@@ -283,15 +326,17 @@ def _checked(table: RawTable) -> dict[str, Any]:
     }
     bad: list[tuple[int, str]] = []
     named: dict[str, Floats] = {}
-    for (name, cells), (column, unit) in zip(table.columns, matched, strict=True):
-        own: dict[str, Any] = arrays if column.name in COLUMNS else named
-        values, wrong = column.numbers(cells, unit) if unit else column.labels(cells)
-        own[column.name] = values
+    for (name, cells, own), (column, unit) in zip(kept, matched, strict=True):
+        place: dict[str, Any] = arrays if column.name in COLUMNS else named
+        values, wrong = column.numbers(cells, unit, own.scale) if unit else column.labels(cells)
+        place[column.name] = values
         bad += [(i, f"{table.counted} {table.rows[i]}, column {name}: {text}") for i, text in wrong.items()]
     if bad:
         raise InputError(_bad_cells(bad))
     rows = np.array(table.rows, dtype=np.int64)
-    return {**arrays, "rows": rows, "columns": names, "counted": table.counted, "named": named}
+    columns = tuple(own.name for _, _, own in kept)
+    return {**arrays, "rows": rows, "columns": columns, "counted": table.counted, "named": named,
+            "ignored": tuple(ignored)}  # fmt: skip
 
 
 def _bad_cells(bad: list[tuple[int, str]]) -> str:

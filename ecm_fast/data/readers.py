@@ -1,15 +1,13 @@
-"""Readers of CSV, Parquet and MATLAB files: tables of bare cells, which `columns` interprets."""
+"""Readers of CSV, Excel, Parquet and MATLAB files: tables of bare cells, which `columns` interprets."""
 
-import csv
-import io
+import glob
 import math
 import os
 import pickle
-import re
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,28 +16,19 @@ import numpy as np
 from ..errors import InputError, why
 from ..files import read_whole
 from .columns import is_note, match
+from .grid import PLAIN, Layout, RawTable, Record, decoded, table, text_records
 
-__all__ = ["RawTable", "read_table", "table_of"]
-
-
-@dataclass(frozen=True, slots=True)
-class RawTable:
-    """Named columns of cells, notes left out; a cell is text, a number or None for a blank.
-
-    Attributes
-    ----------
-    columns : (name, cells) as they stand in the file
-    rows : what a user calls each record: its line in a text file, else its row
-    counted : "line" or "row"
-    """
-
-    columns: Sequence[tuple[str, Sequence[object]]]
-    rows: Sequence[int]
-    counted: str
+__all__ = ["files_of", "is_pattern", "read_table", "table_of"]
 
 
-def read_table(path: str | os.PathLike[str]) -> RawTable:
+def read_table(path: str | os.PathLike[str], layout: Layout = PLAIN, *, bare: bool = False) -> RawTable:
     """Read a file; its ending tells the format.
+
+    Parameters
+    ----------
+    path : of the file
+    layout : what is told of it
+    bare : whether the names of the columns may be any, and missing: a map will say what they mean
 
     Raises
     ------
@@ -55,19 +44,62 @@ def read_table(path: str | os.PathLike[str]) -> RawTable:
         raise
     except (OSError, ValueError) as error:  # a ValueError is a path with a NUL in it
         raise InputError(f"cannot be read ({why(error)})") from None
-    return reader(content, target)
+    return reader(content, target, layout, bare)
 
 
-def table_of(columns: Mapping[str, Any]) -> RawTable:
-    """Return a table of vectors that are in memory or come from MATLAB, where nan is the only blank of a number."""
+def is_pattern(path: str | os.PathLike[str]) -> bool:
+    """Tell whether a path is a pattern of several files: it has wildcards, and no file is named so."""
+    return glob.has_magic(os.fspath(path)) and not os.path.lexists(path)
+
+
+def files_of(pattern: str | os.PathLike[str]) -> list[str]:
+    """Return the files that a pattern fits, sorted.
+
+    Raises
+    ------
+    InputError : there is none.
+    """
+    found = sorted(glob.glob(os.fspath(pattern)))
+    if not found:
+        raise InputError(f"{pattern}: fits no file")
+    return found
+
+
+def table_of(columns: Mapping[str, Any], *, bare: bool = False) -> RawTable:
+    """Return a table of vectors that are in memory or come from MATLAB, where nan is the only blank of a number.
+
+    With `bare` names may be any, the columns of a matrix are taken one by one, and what is no column is left out.
+    """
     named = {name: value for name, value in columns.items() if not is_note(name)}
-    match(named)  # of an unknown matrix the user should hear that it is unknown, not that it is no vector
+    if bare:
+        named = _vectors(named)
+    else:
+        match(named)  # of an unknown matrix the user should hear that it is unknown, not that it is no vector
     cells = [(name, _cells(name, value)) for name, value in named.items()]
     for name, column in cells:
         if len(column) != len(cells[0][1]):
             raise InputError(f"{cells[0][0]} has {len(cells[0][1])} entries, {name} has {len(column)}; "
                              "all columns are equally long")  # fmt: skip
-    return RawTable(cells, range(1, len(cells[0][1]) + 1), "row")
+    return RawTable(cells, range(1, len(cells[0][1]) + 1) if cells else (), "row")
+
+
+def _vectors(columns: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the vectors among variables, those in matrices as ``name[1]`` and so on: all of the most usual length."""
+    arrays = {name: np.asarray(value, dtype=object if isinstance(value, list) else None)
+              for name, value in columns.items() if not isinstance(value, str)}  # fmt: skip
+    arrays = {name: value for name, value in arrays.items() if value.dtype.kind in "biufO" and value.size > 1}
+    longest = Counter(max(value.shape) for value in arrays.values())
+    if not longest:
+        raise InputError("holds no vector and no matrix of numbers")
+    length = max(longest, key=lambda size: (longest[size], size))
+    found = dict[str, Any]()
+    for name, value in arrays.items():
+        if value.size == length:
+            found[name] = value
+        elif value.ndim == 2 and length in value.shape and value.shape[0] != value.shape[1]:
+            rows = value if value.shape[0] == length else value.T
+            found |= {f"{name}[{i + 1}]": rows[:, i] for i in range(rows.shape[1])}
+    return found
 
 
 def _cells(name: str, value: Any) -> list[object]:
@@ -89,62 +121,12 @@ def _cell(item: object) -> object:
     return item
 
 
-def _read_csv(content: bytes, _: Path) -> RawTable:
-    lines = list(io.StringIO(_text(content), newline=""))  # every line ending, counted as `csv` does
-    start = next((i for i, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")), None)
-    if start is None:
-        raise InputError("is empty; the first line names the columns")
-    delimiter = _delimiter(lines[start].strip(), start + 1)
-    reader = csv.reader(lines[start:], delimiter=delimiter, strict=True, skipinitialspace=True)
-    try:
-        header = [name.strip() for name in next(reader)]
-        records = list(_records(reader, start, len(header)))
-    except csv.Error as error:
-        raise InputError(f"line {start + reader.line_num}: {error}") from None
-    columns = zip(*(cells for _, cells in records), strict=True) if records else [()] * len(header)
-    return RawTable(
-        [(name, cells) for name, cells in zip(header, columns, strict=True) if not is_note(name)],
-        [line for line, _ in records],
-        "line",
-    )
+def _read_text(content: bytes, _: Path, layout: Layout, bare: bool) -> RawTable:
+    records, mark = text_records(decoded(content))
+    return table(records, "line", layout, mark, bare=bare)
 
 
-def _text(content: bytes) -> str:
-    cure = "save it as CSV UTF-8"
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise InputError(f"is UTF-16 text; {cure}")
-    if b"\0" in content:
-        line = content[: content.index(b"\0")].count(b"\n") + 1
-        raise InputError(f"line {line}: holds a NUL byte, so it is not UTF-8 text; {cure}")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line, byte = content[: error.start].count(b"\n") + 1, content[error.start]
-        raise InputError(f"line {line}: byte 0x{byte:02x} is not UTF-8 text; {cure}") from None
-
-
-def _delimiter(header: str, line: int) -> str:
-    bare = re.sub(r'"[^"]*"', "", header)
-    found = [mark for mark in ",;\t" if mark in bare]
-    if len(found) > 1 or (not found and len(bare.split()) > 1):
-        raise InputError(f"line {line}: the column names are separated by comma, semicolon or tab, one of them "
-                         "throughout")  # fmt: skip
-    return found[0] if found else ","
-
-
-def _records(reader: Any, start: int, width: int) -> Iterator[tuple[int, list[str]]]:
-    """Yield (line, cells) of every record; one without any content is a blank line, as spreadsheets leave them."""
-    line = start + reader.line_num + 1
-    for cells in reader:
-        if any(cell.strip() for cell in cells):
-            if len(cells) != width:
-                comma = " (decimals are written with a point)" if len(cells) > width else ""
-                raise InputError(f"line {line}: has {len(cells)} cells, the header names {width} columns{comma}")
-            yield line, cells
-        line = start + reader.line_num + 1  # a quoted cell may hold line breaks: a record counts from its first line
-
-
-def _unpacked(content: bytes, path: Path) -> RawTable:
+def _unpacked(content: bytes, path: Path, layout: Layout, bare: bool) -> RawTable:
     """Return the table of a file that a compiled library reads, by `unpack` in a process of its own.
 
     What the process answers is trusted: it is our own, and could do no more than this one.
@@ -154,7 +136,7 @@ def _unpacked(content: bytes, path: Path) -> RawTable:
     # one thread and the system's memory: others map more addresses than a file may take
     one = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "ARROW_DEFAULT_MEMORY_POOL": "system"}
     done = subprocess.run(
-        [sys.executable, "-P", "-m", "ecm_fast.data.unpack", ending, os.fspath(path)],
+        [sys.executable, "-P", "-m", "ecm_fast.data.unpack", ending, os.fspath(path), layout.sheet, "bare" * bare],
         input=content,
         capture_output=True,
         env={**os.environ, **one, "PYTHONPATH": os.pathsep.join(found)},
@@ -162,10 +144,11 @@ def _unpacked(content: bytes, path: Path) -> RawTable:
     if done.returncode:
         how = f"signal {-done.returncode}" if done.returncode < 0 else f"code {done.returncode}"
         raise InputError(f"not a readable {ending} file (its reader ended with {how})")
-    answer: RawTable | str = pickle.loads(done.stdout)
+    answer: RawTable | list[Record] | str = pickle.loads(done.stdout)
     if isinstance(answer, str):
         raise InputError(answer)
-    return answer
+    return table(answer, "row", layout, bare=bare) if isinstance(answer, list) else answer
 
 
-_READERS = {".csv": _read_csv, ".txt": _read_csv, ".parquet": _unpacked, ".mat": _unpacked}
+_TEXT = (".csv", ".txt", ".tsv", ".dat", ".asc")
+_READERS = {**dict.fromkeys(_TEXT, _read_text), **dict.fromkeys((".xlsx", ".parquet", ".mat"), _unpacked)}

@@ -3,7 +3,20 @@
 import math
 from collections.abc import Mapping
 
-__all__ = ["ANGLE", "COUPLE", "FORCE", "KINDS", "LENGTH", "MASS", "TEXT", "TIME", "Units", "kind_of", "unit_of"]
+__all__ = [
+    "ANGLE",
+    "COUPLE",
+    "FORCE",
+    "KINDS",
+    "LENGTH",
+    "MASS",
+    "OTHER",
+    "TEXT",
+    "TIME",
+    "Units",
+    "kind_of",
+    "unit_of",
+]
 
 Units = Mapping[str, tuple[float, float]]
 
@@ -28,6 +41,9 @@ _SPELLINGS = {
     "kg-f": "kgf", "kgforce": "kgf", "grf": "gf", "gram-force": "gf", "pound-force": "lbf", "sec": "s", "secs": "s",
     "second": "s", "seconds": "s", "sek": "s", "msec": "ms", "minutes": "min", "hours": "h",
 }  # fmt: skip
+OTHER = ("\u00b0C", "degC", "C", "K", "V", "mV", "A", "mA", "Hz", "kHz", "%", "MPa", "kPa", "bar", "mbar", "mm/min",
+         "mm/s", "mm/mm", "N/m")  # fmt: skip
+"""Units of columns that people have and no load or pose is given in."""
 _TWO_SIZES = ("mn", "mnm")
 """Written without their capitals, units could be of two sizes: mega and milli."""
 

@@ -1,4 +1,4 @@
-"""Parquet and MATLAB files, read in a process of their own: ``python -m ecm_fast.data.unpack ENDING PATH``.
+"""Parquet, MATLAB and Excel files, read in a process of their own: ``python -m ecm_fast.data.unpack ENDING PATH ...``.
 
 The libraries that read them are compiled, and their files compressed. A damaged file can end the process that reads it
 (SciPy 1.17 looks up a type number unchecked), and a small one can ask for all the memory there is. In a process of
@@ -12,6 +12,7 @@ import os
 import pickle
 import sys
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,8 @@ import numpy as np
 
 from ..errors import InputError
 from .columns import is_note
-from .readers import RawTable, table_of
+from .grid import RawTable, Record
+from .readers import table_of
 
 __all__ = ["MOST_CELLS", "READERS", "answer"]
 
@@ -37,10 +39,12 @@ class _Unreadable:
         self.kind = kind
 
 
-def answer(ending: str, content: bytes, path: Path) -> RawTable | str:
-    """Return the table of a file, or in one line why there is none."""
+def answer(
+    ending: str, content: bytes, path: Path, sheet: str = "", bare: bool = False
+) -> RawTable | list[Record] | str:
+    """Return the table of a file, or the records of a sheet, or in one line why there is none."""
     try:
-        return READERS[ending](content, path)
+        return READERS[ending](content, path, sheet, bare)
     except InputError as error:
         return str(error)
     except MemoryError:
@@ -52,7 +56,7 @@ def _counted(cells: int) -> None:
         raise InputError(f"unpacks to {cells} cells; allowed are {MOST_CELLS}: split it, or leave rows out")
 
 
-def _read_parquet(content: bytes, _: Path) -> RawTable:
+def _read_parquet(content: bytes, path: Path, sheet: str, bare: bool) -> RawTable:
     parquet = _optional("pyarrow.parquet", "a Parquet file")
     try:
         file = parquet.ParquetFile(io.BytesIO(content))
@@ -70,10 +74,12 @@ def _read_parquet(content: bytes, _: Path) -> RawTable:
         raise InputError(f"not a readable Parquet file ({_reason(error)})") from None
 
 
-def _read_mat(content: bytes, path: Path) -> RawTable:
+def _read_mat(content: bytes, path: Path, sheet: str, bare: bool) -> RawTable:
     newest = content.startswith(b"MATLAB") and content[124:128] == b"\0\2IM"
     found = _read_mat73(path) if newest else _read_mat5(content)
     named = {name: value for name, value in found.items() if not name.startswith(("__", "#")) and not is_note(name)}
+    if bare:
+        return table_of(_flat(named), bare=True)
     if len(named) == 1:
         named = _fields(next(iter(named.values()))) or named
     for name, value in named.items():
@@ -155,6 +161,75 @@ def _fields(value: Any) -> dict[str, Any]:
     return {name: [record.get(name) for record in value] for record in value[:1] for name in record}
 
 
+def _flat(values: dict[str, Any]) -> dict[str, Any]:
+    """Return the entries of structs beside each other, ``run.force``; what holds no columns is left out."""
+    found = dict[str, Any]()
+    for name, value in values.items():
+        inner = _fields(value)
+        if inner:
+            found |= _flat({f"{name}.{key}": entry for key, entry in inner.items()})
+        elif not isinstance(value, _Unreadable):
+            found[name] = value
+    return found
+
+
+def _read_xlsx(content: bytes, path: Path, sheet: str, bare: bool) -> list[Record]:
+    openpyxl = _optional("openpyxl", "an Excel file")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # its word on styles and validations that it leaves out
+            values, formulas = (
+                openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=only) for only in (True, False)
+            )
+            sheets = {name: _rows(values[name]) for name in values.sheetnames if hasattr(values[name], "iter_rows")}
+            name = _sheet(sheets, sheet)
+            for (place, cells), (*_, written) in zip(sheets[name], _rows(formulas[name]), strict=False):
+                if any(cell is None and isinstance(own, str) for cell, own in zip(cells, written, strict=False)):
+                    raise InputError(f"row {place}: holds a formula without its value; open the file in a spreadsheet "
+                                     "program and save it")  # fmt: skip
+            return sheets[name]
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # a damaged file makes it raise anything
+        raise InputError(f"not a readable Excel file ({_reason(error)})") from None
+
+
+def _rows(sheet: Any) -> list[Record]:
+    """Return the rows of a sheet that hold anything, all as wide as the widest."""
+    rows, cells = list[tuple[int, list[Any]]](), 0
+    for place, row in enumerate(sheet.iter_rows(values_only=True), start=1):
+        cells += len(row)
+        _counted(cells)
+        if any(cell is not None for cell in row):
+            rows.append((place, list(row)))
+    used = [i for _, row in rows for i, cell in enumerate(row) if cell is not None]
+    first, last = min(used, default=0), max(used, default=-1)
+    return [(place, [*row, *[None] * (last + 1 - len(row))][first : last + 1]) for place, row in rows]
+
+
+def _sheet(sheets: dict[str, list[Record]], asked: str) -> str:
+    """Return the name of the sheet that is asked for, or of the only one that holds numbers."""
+    if asked:
+        if asked not in sheets:
+            raise InputError(f"has no sheet {asked!r}; it has {', '.join(sheets)}")
+        return asked
+    numbers = {
+        name: sum(isinstance(cell, (int, float)) for _, row in rows for cell in row) for name, rows in sheets.items()
+    }
+    found = [name for name, count in numbers.items() if count]
+    if len(found) > 1:
+        raise InputError(f"has the sheets {', '.join(found)}; say which: sheet = {found[0]!r} in the file of "
+                         "--columns, or --sheet to ecm-fast import")  # fmt: skip
+    return found[0] if found else _first_used(sheets)
+
+
+def _first_used(sheets: dict[str, list[Record]]) -> str:
+    for name, rows in sheets.items():
+        if rows:
+            return name
+    raise InputError("is empty; the first row names the columns")
+
+
 def _optional(module: str, what: str) -> Any:
     try:
         return importlib.import_module(module)
@@ -168,7 +243,12 @@ def _reason(error: Exception) -> str:
     return " ".join(str(error).split())[:200] or type(error).__name__
 
 
-READERS = {".parquet": _read_parquet, ".mat": _read_mat}
+_Reader = Callable[[bytes, Path, str, bool], RawTable | list[Record]]
+READERS: dict[str, _Reader] = {
+    ".parquet": _read_parquet,
+    ".mat": _read_mat,
+    ".xlsx": _read_xlsx,
+}
 
 
 def _limit() -> None:
@@ -188,12 +268,12 @@ def _limit() -> None:
 
 def main() -> None:
     """Read the content of a file from stdin, and write the pickled answer to stdout."""
-    _, ending, path = sys.argv
+    _, ending, path, sheet, bare = sys.argv
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no answer
     content = sys.stdin.buffer.read()
     _limit()
-    pickle.dump(answer(ending, content, Path(path)), out)
+    pickle.dump(answer(ending, content, Path(path), sheet, bool(bare)), out)
     out.close()
 
 

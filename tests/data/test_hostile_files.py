@@ -7,7 +7,6 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ from hypothesis import strategies as st
 
 from ecm_fast.data import readers
 from ecm_fast.data.columns import COLUMNS
+from ecm_fast.data.grid import Layout, RawTable, table
 from ecm_fast.data.measurements import read_measurements
 from ecm_fast.data.unpack import READERS, answer
 from ecm_fast.errors import InputError
@@ -59,15 +59,15 @@ def damaged(whole: bytes) -> st.SearchStrategy[bytes]:
 def one_process() -> Iterator[None]:
     """Read binary files in one process that stays: to start one for each takes half a second."""
 
-    def unpacked(content: bytes, path: Path) -> Any:
+    def unpacked(content: bytes, path: Path, layout: Layout, bare: bool) -> RawTable:
         try:
-            found = pools[-1].submit(answer, path.suffix, content, path).result()
+            found = pools[-1].submit(answer, path.suffix, content, path, layout.sheet, bare).result()
         except BrokenProcessPool:  # what a damaged file can do to SciPy's reader
             pools.append(ProcessPoolExecutor(1, mp_context=get_context("spawn")))
             raise InputError("not a readable file (its reader ended)") from None
         if isinstance(found, str):
             raise InputError(found)
-        return found
+        return table(found, "row", layout, bare=bare) if isinstance(found, list) else found
 
     pools = [ProcessPoolExecutor(1, mp_context=get_context("spawn"))]
     with pytest.MonkeyPatch.context() as patch:

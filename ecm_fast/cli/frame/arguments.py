@@ -11,13 +11,16 @@ from .command import EXIT_CODES, Command
 from .terminal import note
 
 if TYPE_CHECKING:
+    from ...data.column_map import ColumnMap
     from ...data.measurements import Measurements
     from ...mechanism.mechanism import Mechanism
 
 __all__ = [
+    "add_columns",
     "add_model",
     "add_noise",
     "add_path",
+    "column_map",
     "count",
     "discretization",
     "finite_number",
@@ -32,7 +35,8 @@ __all__ = [
 ]
 
 
-EXAMPLES = {"--prior": "--prior GA 2420 17", "--at-most": "--at-most fx_N 0", "--noise": "--noise x_mm 0.1"}
+EXAMPLES = {"--prior": "--prior GA 2420 17", "--at-most": "--at-most fx_N 0", "--noise": "--noise x_mm 0.1",
+            "--rename": '--rename "F_left [kgf]=lam_l_kgf"'}  # fmt: skip
 """Of options whose words a reader could not guess."""
 
 
@@ -129,8 +133,35 @@ def finite_number(text: str) -> float:
     return value
 
 
+def add_columns(parser: argparse.ArgumentParser) -> None:
+    """Let a command be told what the columns of its measurements mean."""
+    parser.add_argument("--columns", metavar="MAP", help="what the columns mean (TOML), as 'ecm-fast import' writes it")
+    parser.add_argument(
+        "--rename",
+        action="append",
+        default=[],
+        metavar="COLUMN=NAME",
+        help=f"what one column means ({EXAMPLES['--rename']}; =-z_mm turns its sign, =note ignores it); may be given "
+        "several times",
+    )
+
+
+def column_map(args: argparse.Namespace) -> "ColumnMap | None":
+    """Return what the arguments of `add_columns` say of columns, None where they say nothing."""
+    from ...data.column_map import ColumnMap
+
+    if args.columns is None and not args.rename:
+        return None
+    given = ColumnMap({}) if args.columns is None else ColumnMap.from_toml(args.columns)
+    try:
+        return given.with_words(args.rename)
+    except InputError as error:
+        raise InputError(f"argument --rename: {error}") from None
+
+
 def add_noise(parser: argparse.ArgumentParser) -> None:
-    """Let a command be told the noise of readings that do not say it."""
+    """Let a command be told what columns mean, and the noise of readings that do not say it."""
+    add_columns(parser)
     parser.add_argument(
         "--noise",
         action="append",
@@ -143,10 +174,13 @@ def add_noise(parser: argparse.ArgumentParser) -> None:
 
 
 def measurements(path: str, args: argparse.Namespace) -> "Measurements":
-    """Return the measurements of a file, with the noise that `add_noise` lets be told."""
+    """Return the measurements of a file, with what `add_columns` and `add_noise` let be told."""
     from ...data.measurements import read_measurements
 
-    return read_measurements(path).with_noise(numbers_by_name("--noise", args.noise))
+    data = read_measurements(path, column_map(args))
+    if data.ignored:
+        note(f"{path}: ignored {', '.join(data.ignored)}")
+    return data.with_noise(numbers_by_name("--noise", getattr(args, "noise", [])))
 
 
 def numbers_by_name(option: str, given: list[list[str]]) -> dict[str, float]:
