@@ -85,7 +85,9 @@ def solve_cases(
         for column in out[:3]:
             column[refused] = np.nan
     known = [] if accuracy is None else settled
-    result.postpone(accuracy, functools.partial(_errors, mesh, par, lam.copy(), wrench.copy(), step_tol2, known))
+    cases = mesh, par, lam.copy(), wrench.copy(), step_tol2
+    preload_factors = functools.partial(_preload_factors, *cases, result.load_factor)
+    result.postpone(accuracy, functools.partial(_errors, *cases, known), preload_factors)
     return result
 
 
@@ -143,6 +145,16 @@ def _errors(
     estimate = errors(mesh, cases[0], loads_of(*cases[1:]), found)
     error[rest] = np.where(found.status <= Status.UNSTABLE, estimate, np.nan)
     return error
+
+
+def _preload_factors(
+    mesh: Discretization, par: Array, lam: Array, wrench: Array, step_tol2: float, load_factor: Array
+) -> Array:
+    """Return what the necks carry of what acts without tendon forces and wrench, (n,)."""
+    preload_factor, rest = np.ones(len(lam)), np.flatnonzero(load_factor == 0.0)
+    own, cases = par if len(par) == 1 else par[rest], (lam[rest], wrench if len(wrench) == 1 else wrench[rest])
+    preload_factor[rest] = solutions(mesh, own, *cases, step_tol2).preload_factor
+    return preload_factor
 
 
 def _in_threads(part: Callable[[slice], None], n: int, threads: int) -> None:

@@ -271,6 +271,7 @@ class BatchResult:
     x, z, theta : (n,) tip poses [m, m, rad]; nan unless converged
     status : (n,) values of `Status`
     load_factor : (n,) see `Equilibrium`
+    preload_factor : (n,) see `Equilibrium`; found on the model's own discretization when it is first asked for
     accuracy : the discretization error that was asked for; None where the discretization was given by hand
     error : (n,) estimated discretization errors of the poses, in rad and shares of the length, see `Equilibrium`; nan
         unless converged. What was not refined is solved again when they are first asked for, at some 30 us a case
@@ -282,20 +283,28 @@ class BatchResult:
     status: NDArray[np.int64]
     load_factor: Array
     accuracy: float | None = None
-    _estimate: list[Array | Callable[[], Array]] = field(default_factory=list, repr=False, compare=False)
+    _later: dict[str, Array | Callable[[], Array]] = field(default_factory=dict, repr=False, compare=False)
 
-    def postpone(self, accuracy: float | None, estimate: Callable[[], Array]) -> None:
-        """Take a function that returns the errors, (n,), to call when they are asked for, and their accuracy."""
+    def postpone(self, accuracy: float | None, error: Callable[[], Array], preload_factor: Callable[[], Array]) -> None:
+        """Take an accuracy, and functions that return errors and factors, (n,), to call when they are asked for."""
         object.__setattr__(self, "accuracy", accuracy)
-        self._estimate[:] = [estimate]
+        self._later.update(error=error, preload_factor=preload_factor)
+
+    def _asked(self, name: str) -> Array:
+        value = self._later[name]
+        if callable(value):
+            value = self._later[name] = value()
+        return value
 
     @property
     def error(self) -> Array:
         """Estimated discretization errors, (n,)."""
-        (estimate,) = self._estimate
-        if callable(estimate):
-            estimate = self._estimate[0] = estimate()
-        return estimate
+        return self._asked("error")
+
+    @property
+    def preload_factor(self) -> Array:
+        """Shares of the weight, and of what else acts without tendon forces and wrench, that the necks carry, (n,)."""
+        return self._asked("preload_factor")
 
     @property
     def accurate(self) -> NDArray[np.bool_]:

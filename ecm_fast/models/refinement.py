@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..kernels.general.batch import solve_many
 from ..kernels.general.error import tip_errors
 from ..kernels.general.newton import solve_work_size
-from ..kernels.layout import L_FX, L_GRAVITY, N_OUT, N_STATION, N_TIP, O_FACTOR, O_THETA, O_X, O_Z
+from ..kernels.layout import L_FX, L_GRAVITY, N_OUT, N_STATION, N_TIP, O_FACTOR, O_PRELOAD, O_THETA, O_X, O_Z
 from ..mechanism.parameters import PLACES
 from ..mesh.discretization import Discretization
 from .body import lengths_of, piece_ends
@@ -68,13 +68,14 @@ class Solutions(NamedTuple):
     q : (n, 3 n_nodes) the equilibrium, or the last one found on the branch
     status : (n,) values of `Status`
     pose : (n, 3) of the tip, that of the last one found on the branch where there is no equilibrium [m, m, rad]
-    load_factor : (n,) see `Equilibrium`
+    load_factor, preload_factor : (n,) see `Equilibrium`
     """
 
     q: Array
     status: NDArray[np.int64]
     pose: Array
     load_factor: Array
+    preload_factor: Array
 
 
 def work_arrays(mesh: Discretization) -> tuple[Array, Array, Array, Array, Array]:
@@ -99,7 +100,7 @@ def solutions(mesh: Discretization, par: Array, lam: Array, wrench: Array, step_
     """
     n = len(lam)
     q, status = np.empty((n, 3 * mesh.nodes.size)), np.full(n, Status.NOT_CONVERGED, dtype=np.int64)
-    factor = np.ones(n)
+    factor, preload_factor = np.ones(n), np.ones(n)
     solve_nodes(mesh, par, lam, wrench, step_tol2, q, status)
     pose = q[:, -3:].copy()
     todo = np.flatnonzero(status != Status.CONVERGED)
@@ -108,8 +109,9 @@ def solutions(mesh: Discretization, par: Array, lam: Array, wrench: Array, step_
         out, verdict, nodes = np.empty((todo.size, N_OUT)), status[todo], q[todo]
         solve_many(mesh.tables, mesh.mesh, mesh.nodes, own, loads, work_arrays(mesh), out, verdict, nodes)
         status[todo], q[todo], factor[todo] = verdict, nodes, out[:, O_FACTOR]
+        preload_factor[todo] = out[:, O_PRELOAD]
         pose[todo] = out[:, [O_X, O_Z, O_THETA]]
-    return Solutions(q, status, pose, factor)
+    return Solutions(q, status, pose, factor, preload_factor)
 
 
 def errors(mesh: Discretization, par: Array, loads: Array, found: Solutions) -> Array:

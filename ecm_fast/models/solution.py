@@ -75,7 +75,7 @@ class NodalSolution:
             again = by_length(self.mesh.halved, self.par, _without(self.loads, self.wanted), self.wanted)
             off = np.abs(again.q[-3:] - self.q[-3:]) / [*2 * [lengths_of(self.par[None])[0]], 1.0]
             return 2.0 * float(off.max()) if again.status <= Status.UNSTABLE else float("inf")
-        found = Solutions(self.q[None], np.zeros(1, dtype=np.int64), self.q[None, -3:], np.ones(1))
+        found = Solutions(self.q[None], np.zeros(1, dtype=np.int64), self.q[None, -3:], np.ones(1), np.ones(1))
         return float(errors(self.mesh, self.par[None], self.loads[None], found)[0])
 
 

@@ -107,7 +107,10 @@ def test_a_neck_that_its_own_weight_buckles():
     lifted = model.solve(wrench=(0.2 * load, 0.0, 0.0))
     assert lifted.stable
     assert lifted.load_factor == 1.0
-    assert model.solve_batch([(10.0, 10.0)]).load_factor.tolist() == [0.0]
+    batch = model.solve_batch([(10.0, 10.0), (0.0, 0.0)], [[0.0, 0.0, 0.0], [0.2 * load, 0.0, 0.0]])
+    assert batch.load_factor.tolist() == [0.0, 1.0]
+    assert abs(1.1 * batch.preload_factor[0] - 1.0) < 1e-6
+    assert batch.preload_factor[1] == 1.0
 
 
 @pytest.fixture
