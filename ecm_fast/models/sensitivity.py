@@ -51,6 +51,11 @@ class Sensitivities:
     status: NDArray[np.int64] = field(repr=False)
 
     @property
+    def by_load(self) -> Array:
+        """Derivatives by the tendon forces and the dead wrench, (n, 3, 5)."""
+        return np.concatenate([self.jacobian, self.compliance], axis=2)
+
+    @property
     def converged(self) -> NDArray[np.bool_]:
         """Whether the pose is an equilibrium, stable or not, (n,)."""
         return np.less_equal(self.status, Status.UNSTABLE)

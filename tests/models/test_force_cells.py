@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ecm_fast import InputError, Mechanism, diagnose, hide, identify, predict
+from ecm_fast.mechanism.catalogue import CATALOGUE
 from ecm_fast.models.instruments.checks.checks import faults
 from ecm_fast.models.instruments.checks.force_cells import force_cell_findings
 from ecm_fast.testbed import Sensors, measure, shear_test, tendon_test
@@ -18,6 +19,14 @@ def sound(request):
     """Ninety random loads on a neck whose EA is 5 % off and which is a little bent: no instrument is at fault."""
     built = NECK.replace(EA=7900.0, precurvature=0.1)
     return measure(built, tendon_test(90, seed=1), Sensors(force_sigma=request.param), 1)
+
+
+@pytest.fixture(scope="module")
+def pulled():
+    """Eighty random wrenches on a neck whose EA is 5 % off, the tendons slack: no instrument is at fault."""
+    wrench = np.random.default_rng(1).uniform(-1.0, 1.0, (80, 3)) * [60.0, 30.0, 3.0]
+    loads = dict(zip(("fx", "fz", "tau"), wrench.T, strict=True))
+    return measure(NECK.replace(EA=7900.0), replace(shear_test(np.zeros(80)), **loads), Sensors(force_sigma=0.1), 1)
 
 
 def left(data, values):
@@ -107,3 +116,27 @@ def test_slack_tendons_and_stops_are_no_broken_cells() -> None:
         for noise in ("white", "force"):
             data, _ = hide(effects={name: None}, noise=noise, seed=3)
             assert force_cell_findings(NECK, data) == []
+
+
+def test_sound_cells_of_the_wrench_raise_no_finding(pulled) -> None:
+    """Known truth: no cell was touched; an origin that is off looks like a constant force, and is none."""
+    assert force_cell_findings(NECK, pulled) == []
+    for effect in ("camera_x_offset", "precurvature", "lateral_spring"):
+        built = NECK.replace(**{effect: 2.0 * CATALOGUE[effect].size.typical})
+        assert force_cell_findings(NECK, measure(built, shear_test(np.linspace(-60.0, 60.0, 31)), Sensors(), 3)) == []
+
+
+@pytest.mark.parametrize("cell", ["fz", "tau"])
+def test_broken_cells_of_the_wrench_are_found(pulled, cell) -> None:
+    """Known truth: the column was overwritten by zeros, clipped on both sides, or in some rows set to zero."""
+    read, lost = getattr(pulled, cell), np.random.default_rng(5).random(pulled.n) < 0.1
+    limit = 0.6 * np.abs(read).max()
+    assert only(replace(pulled, **{cell: np.zeros(pulled.n)})).kind == "dead"
+    low, high = force_cell_findings(NECK, replace(pulled, **{cell: np.clip(read, -limit, limit)}))
+    assert low.kind == high.kind == "saturated"
+    assert set(low.rows) == set(pulled.rows[read <= -limit])
+    assert set(high.rows) == set(pulled.rows[read >= limit])
+    gaps = only(replace(pulled, **{cell: np.where(lost, 0.0, read)}))
+    assert gaps.kind == "dropped out"
+    assert set(gaps.rows) <= set(pulled.rows[lost])
+    assert len(gaps.rows) > 0.5 * lost.sum()

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ....data.columns import LOADS, PAIR
 from ....data.measurements import Measurements
 from ....mechanism.mechanism import Mechanism
 from ....mechanism.parameters import find, index
@@ -19,9 +20,12 @@ from ....mesh.discretization import Discretization
 from ...equilibrium import Status
 from ..measuring_chain import MeasuringChain
 
-__all__ = ["MEDIAN_TO_SIGMA", "Calibration", "calibrate", "scales", "with_force"]
+__all__ = ["CELLS", "MEDIAN_TO_SIGMA", "Calibration", "calibrate", "moved_force", "newtons", "scales", "with_force"]
 
 Array = NDArray[np.float64]
+
+CELLS = LOADS[:5]
+"""Loads that a cell reads: forces of the pair of tendons, and the dead wrench at Q."""
 
 _STEPS = 12  # Gauss-Newton steps at most
 _SETTLED = 1e-3  # of a stiffness; what it is off by then is far below what a wrong column does
@@ -48,7 +52,7 @@ class Calibration:
     pose : (n, 3) predicted readings, origins left out; nan without a stable equilibrium
     residual : (n, 3) measured less predicted, origins taken off
     dpose_dlam : (n, 3, 2) derivatives of the pose by the tendon forces, 0 without an equilibrium
-    force : (n,) forces of the cell that is not believed, else readings of the left one
+    force : (n,) forces of the cell that is not believed, else readings of the first one
     """
 
     stiffnesses: dict[str, float]
@@ -89,10 +93,10 @@ def calibrate(
     rows : (n,) places of the rows that count, rising
     unknown : stiffnesses of which not even the order of magnitude is known
     free : channels whose origin is free
-    blind : 0 or 1, the force cell of which no reading is believed: each row has the force that meets its pose best
+    blind : place in `CELLS` of the one of which no reading is believed: each row has the force that meets its pose best
     """
     chain = MeasuringChain(Discretization.from_elements(1, 5), data, rows)
-    force = data.lam[rows, 0 if blind is None else blind].copy()
+    force = getattr(data, CELLS[blind or 0])[rows].copy()
     start, places, measured = pack(mechanism), [index(name) for name in STIFFNESSES], data.pose[rows]
     k, p = len(places), len(places) + len(free)
     std = [_UNKNOWN if name in unknown else _ROUGHLY for name in STIFFNESSES]
@@ -118,7 +122,7 @@ def calibrate(
         slope[:, :, :k] = np.where(stable[:, None, None], found.dpose_dpar * par[places], 0.0)
         slope[:, free, range(k, p)] = 1.0
         if blind is not None:
-            along = np.where(stable[:, None], found.jacobian[:, :, blind], 0.0)
+            along = np.where(stable[:, None], found.by_load[:, :, blind], 0.0)
             off, slope, ask = _without(off, slope, along)
         normal, pull = _normal_equations(off, slope.reshape(-1, p))
         prior = precision * np.concatenate([moved, np.zeros(len(free))])
@@ -128,7 +132,7 @@ def calibrate(
             break
         origin[list(free)] += whole[k:]
         if blind is not None:
-            force = np.maximum(force + np.clip(ask, -_LARGEST_FORCE_STEP, _LARGEST_FORCE_STEP), 0.0)
+            force = moved_force(mechanism, blind, force, ask)
             chain = MeasuringChain(chain.mesh, with_force(data, rows, blind, force), rows)
     origin_std = np.zeros(3)
     origin_std[list(free)] = np.sqrt(np.abs(np.diag(np.linalg.pinv(normal + np.diag(precision)))))[k:]
@@ -138,11 +142,22 @@ def calibrate(
 
 
 def with_force(data: Measurements, rows: NDArray[np.int64], cell: int, force: Array) -> Measurements:
-    """Return measurements with other forces in some rows of a cell, 0 for the left one."""
-    name = ("lam_l", "lam_r")[cell]
-    values = getattr(data, name).copy()
+    """Return measurements with other forces in some rows of a cell, by its place in `CELLS`."""
+    values = getattr(data, CELLS[cell]).copy()
     values[rows] = force
-    return replace(data, **{name: values})
+    return replace(data, **{CELLS[cell]: values})
+
+
+def moved_force(mechanism: Mechanism, cell: int, force: Array, step: Array) -> Array:
+    """Return the readings of a cell after a step of bounded length; tendons do not push."""
+    longest = _LARGEST_FORCE_STEP * newtons(mechanism, cell)
+    moved: Array = force + np.clip(step, -longest, longest)
+    return np.maximum(moved, 0.0) if cell < len(PAIR) else moved
+
+
+def newtons(mechanism: Mechanism, cell: int) -> float:
+    """Return what one newton is in the unit of a cell: the beam's length for a couple, else 1."""
+    return mechanism.length if CELLS[cell] == "tau" else 1.0
 
 
 def _without(off: Array, slope: Array, along: Array) -> tuple[Array, Array, Array]:
