@@ -19,7 +19,6 @@ from . import (
     effects,
     elements,
     identify,
-    init,
     next_loads,
     polynomial,
     predict,
@@ -34,6 +33,7 @@ from .frame.arguments import parse
 from .frame.command import BAD_INPUT, DONE, INTERRUPTED, NOT_CONVERGED, UNEXPECTED
 from .frame.interrupt import interrupts_kept
 from .frame.terminal import note, write
+from .start import import_file, init
 
 __all__ = ["COMMANDS", "main"]
 
@@ -52,6 +52,7 @@ COMMANDS = {
     "hide": sealed.HIDE,
     "score": sealed.SCORE,
     "init": init.COMMAND,
+    "import": import_file.COMMAND,
     "view": view.COMMAND,
     "reproduce": reproduce.COMMAND,
     "bench": bench.COMMAND,

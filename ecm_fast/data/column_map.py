@@ -14,7 +14,7 @@ from .columns import column_of, foreign, is_known, is_note, unit_in
 from .grid import Layout
 from .units import kind_of
 
-__all__ = ["NOTE", "REST", "ColumnMap", "Told"]
+__all__ = ["NOTE", "REST", "ColumnMap", "Told", "told_as"]
 
 NOTE = "note"
 """Name of a column that is ignored."""
@@ -53,7 +53,7 @@ class ColumnMap:
             if name == REST and told != NOTE:
                 raise InputError(f"{REST} = {shown(told)}: allowed is {NOTE!r}, to have all other columns ignored")
             try:
-                _told(told)
+                told_as(told)
             except InputError as error:
                 raise InputError(f"{shown(name)} = {shown(told)}: {error}") from None
         if self.layout.decimal not in ("", ".", ","):
@@ -148,7 +148,7 @@ class ColumnMap:
                                      "have all others ignored")  # fmt: skip
                 meant = NOTE
                 ignored += [name] * (REST not in self.columns)
-            own = _told(meant)
+            own = told_as(meant)
             unit = "" if is_note(own.name) else column_of(own.name)[1]
             if (written := unit_in(name)) and unit and unit != written:
                 raise InputError(f"column {shown(name)} has the unit {written} in its name, and {unit} is told; where "
@@ -157,7 +157,8 @@ class ColumnMap:
         return told, ignored
 
 
-def _told(text: str) -> Told:
+def told_as(text: str) -> Told:
+    """Return the name and the factor in what is told of a column."""
     found = _TOLD.fullmatch(text.strip())
     if found is None:
         raise InputError('says nothing; "note" has a column ignored')

@@ -192,7 +192,10 @@ def _header(records: Sequence[Record], counted: str, layout: Layout) -> tuple[li
     elif _all_known(records[0][1]):
         at = 0
     else:
-        first = next((i for i, (_, cells) in enumerate(records[:_LOOKED_AT]) if _holds_data(cells)), None)
+        seen = records[:_LOOKED_AT]
+        full = sorted(_filled(cells) for _, cells in seen)[len(seen) // 2]
+        first = next((i for i, (_, cells) in enumerate(seen) if _holds_data(cells) and 2 * _filled(cells) >= full
+                      and _same_width(seen, i, -1)), None)  # fmt: skip
         if first == 0:
             return [], records
         at = 0 if first is None else first - 1
@@ -215,6 +218,10 @@ def _all_known(cells: Sequence[object]) -> bool:
     return all(is_known(name) or is_note(name) for name in names)
 
 
+def _filled(cells: Sequence[object]) -> int:
+    return sum(not is_blank(cell) for cell in cells)
+
+
 def _holds_data(cells: Sequence[object]) -> bool:
     """Tell whether a record holds numbers rather than names: half of what stands in it or more."""
     numbers = sum(map(is_number, cells))
@@ -223,9 +230,12 @@ def _holds_data(cells: Sequence[object]) -> bool:
 
 
 def _holds_units(cells: Sequence[object]) -> bool:
-    """Tell whether a record holds units and blanks, and no name of a column among them."""
-    texts = [_bare(cell) for cell in cells if _bare(cell)]
-    return any(map(unit_of, texts)) and all(unit_of(text) or text in (*OTHER, *_NO_UNIT) for text in texts)
+    """Tell whether a record holds units, some perhaps unknown in brackets, and no name of a column among them."""
+    texts = {_text(cell): _bare(cell) for cell in cells if _bare(cell)}
+    return any(map(unit_of, texts.values())) and all(
+        unit_of(text) or text in (*OTHER, *_NO_UNIT) or (whole[0] in "[(" and whole[-1] in "])")
+        for whole, text in texts.items()
+    )
 
 
 def _with_unit(name: str, unit: str) -> str:

@@ -20,6 +20,7 @@ __all__ = [
     "add_model",
     "add_noise",
     "add_path",
+    "add_rename",
     "column_map",
     "count",
     "discretization",
@@ -31,6 +32,7 @@ __all__ = [
     "numbers_by_name",
     "parse",
     "priors_by_name",
+    "renamed",
     "tension",
 ]
 
@@ -136,6 +138,11 @@ def finite_number(text: str) -> float:
 def add_columns(parser: argparse.ArgumentParser) -> None:
     """Let a command be told what the columns of its measurements mean."""
     parser.add_argument("--columns", metavar="MAP", help="what the columns mean (TOML), as 'ecm-fast import' writes it")
+    add_rename(parser)
+
+
+def add_rename(parser: argparse.ArgumentParser) -> None:
+    """Let a command be told what single columns of its measurements mean."""
     parser.add_argument(
         "--rename",
         action="append",
@@ -152,9 +159,13 @@ def column_map(args: argparse.Namespace) -> "ColumnMap | None":
 
     if args.columns is None and not args.rename:
         return None
-    given = ColumnMap({}) if args.columns is None else ColumnMap.from_toml(args.columns)
+    return renamed(ColumnMap({}) if args.columns is None else ColumnMap.from_toml(args.columns), args.rename)
+
+
+def renamed(given: "ColumnMap", words: list[str]) -> "ColumnMap":
+    """Return a map with what the words of `add_rename` say."""
     try:
-        return given.with_words(args.rename)
+        return given.with_words(words)
     except InputError as error:
         raise InputError(f"argument --rename: {error}") from None
 

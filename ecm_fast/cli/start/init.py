@@ -4,8 +4,8 @@ import argparse
 import os
 from pathlib import Path
 
-from ..errors import InputError
-from .frame.command import Answer, Command, folder
+from ...errors import InputError
+from ..frame.command import Answer, Command, folder
 
 __all__ = ["COMMAND"]
 
@@ -19,11 +19,11 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    from ..mechanism.mechanism import Mechanism
+    from ...mechanism.mechanism import Mechanism
 
     Mechanism.preset(args.preset)  # complains about the name before the next import brings NumPy
-    from ..files import write_whole
-    from ..mechanism.toml_file import robot_file, template
+    from ...files import write_whole
+    from ...mechanism.toml_file import robot_file, template
 
     path = Path(args.file) if args.out is None else folder(args.out) / args.file
     if os.path.lexists(path) and not args.force:

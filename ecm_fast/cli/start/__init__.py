@@ -1,0 +1,1 @@
+"""Commands that write what the others start from: a mechanism file, a map of columns."""
