@@ -20,11 +20,11 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time `__getattr__` im
     from .identification.result import Estimate, Identification, Profile
     from .mechanism.catalogue import CATALOGUE, Effect, also
     from .mechanism.mechanism import Effects, Mechanism
+    from .mechanism.mesh.discretization import Discretization
     from .mechanism.parameters import PARAMETERS
     from .mechanism.quantity import Quantity
     from .mechanism.sections import Beam, Gravity, Head, Tendons
     from .mechanism.vector import pack, unpack
-    from .mesh.discretization import Discretization
     from .models.equilibrium import BatchResult, Equilibrium, Status
     from .models.finite_element import FiniteElementModel
     from .models.instruments.prediction import Prediction, predict
@@ -54,7 +54,7 @@ _HOME = {
     "data.measurements": ("Measurements", "read_measurements"),
     "diagnosis": ("Diagnosis", "Plan"),
     "studies.diagnosis": ("Study", "diagnose", "plan"),
-    "mesh.discretization": ("Discretization",),
+    "mechanism.mesh.discretization": ("Discretization",),
     "mechanism.catalogue": ("CATALOGUE", "Effect", "also"),
     "models.user_effects": ("effect", "load_effects", "remove_effect"),
     "studies.elements.candidates": ("Candidate",),

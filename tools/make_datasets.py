@@ -1,4 +1,4 @@
-"""Write the simulated campaigns that ship with the package, `ecm_fast/datasets/simulated_*`.
+"""Write the simulated campaigns that ship with the package, `ecm_fast/data/datasets/simulated/`.
 
     python tools/make_datasets.py [--check]
 
@@ -18,7 +18,7 @@ from ecm_fast.data.measurements import Measurements, read_measurements
 from ecm_fast.mechanism.mechanism import Mechanism
 from ecm_fast.testbed import Sensors, compression_test, in_sequence, measure, shear_test, tendon_test
 
-FOLDER = Path(__file__).resolve().parent.parent / "ecm_fast" / "data" / "datasets"
+FOLDER = Path(__file__).resolve().parent.parent / "ecm_fast" / "data" / "datasets" / "simulated"
 SENSORS = Sensors(camera_resolution=(1e-6, 1e-6, 1e-5), force_sigma=0.1, force_resolution=0.01)
 SEED = 2026
 SPECIMENS = {"28mm": (0.028, 7448.94), "40mm": (0.040, 7591.09)}
@@ -91,7 +91,7 @@ def stale(folder: Path) -> list[str]:
     with tempfile.TemporaryDirectory() as fresh:
         write(Path(fresh))
         wanted = sorted(path.name for path in Path(fresh).iterdir())
-        there = sorted(path.name for path in folder.glob("simulated_*"))
+        there = sorted(path.name for path in folder.iterdir())
         differ = [name for name in wanted if name in there and not same(Path(fresh) / name, folder / name)]
     return sorted({*differ, *(set(wanted) ^ set(there))})
 

@@ -11,10 +11,10 @@ from ..data.measurements import Measurements
 from ..data.repeated_rows import repeated_rows, without_poses
 from ..errors import InputError, real, shown
 from ..mechanism.mechanism import Mechanism
+from ..mechanism.mesh.discretization import Discretization
 from ..mechanism.parameters import find, index
 from ..mechanism.sections import STIFFNESSES
 from ..mechanism.vector import pack
-from ..mesh.discretization import Discretization
 from ..models.body import divide
 from ..models.instruments.checks.checks import faults
 from ..models.instruments.checks.finding import Finding

@@ -10,9 +10,9 @@ from ..data.measurements import Measurements
 from ..errors import InputError, shown
 from ..mechanism.derived import limits
 from ..mechanism.mechanism import Mechanism
+from ..mechanism.mesh.discretization import Discretization
 from ..mechanism.parameters import find, index
 from ..mechanism.vector import pack
-from ..mesh.discretization import Discretization
 from ..models.equilibrium import Status
 from ..models.instruments.measuring_chain import CHANGES, row_parameters
 from ..models.instruments.mesh_choice import mesh_for

@@ -3,6 +3,6 @@
 Read in this order: `layout` (what the arrays hold), `prepare` (parameter vector to solver constants), `section`,
 `element`, `tip` (forces and tangents), `front` (factor and solve), `newton` (equilibrium), `batch` (many of them);
 `condensed` (the fast path) and `polynomial` (the fitted models) stand beside them, `se2` and `strain` in the place of
-`element` where `families` puts them.
-The formulas themselves are stated once, in `ecm_fast.reference`, under the same names.
+`element` where `mechanism.mesh.families` puts them.
+The formulas themselves are stated once, in `ecm_fast.models.reference`, under the same names.
 """

@@ -39,11 +39,7 @@ _CHECKSUM = 4  # bytes at the head of a file
 def sources() -> list[Path]:
     """Return every file whose text a compiled kernel can depend on."""
     package = Path(__file__).resolve().parent.parent
-    return sorted(
-        path
-        for pattern in ("kernels/**/*.py", "mechanism/**/*.py", "mesh/families/*.py")
-        for path in package.glob(pattern)
-    )
+    return sorted(path for pattern in ("kernels/**/*.py", "mechanism/**/*.py") for path in package.glob(pattern))
 
 
 def _user_cache() -> Path:

@@ -1,1 +1,1 @@
-"""The mechanism: its sections, its parameter vector, its file, and the catalogue of effects."""
+"""The mechanism: its sections, its parameter vector, its file, its mesh, and the catalogue of effects."""

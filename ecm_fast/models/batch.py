@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mesh.discretization import Discretization
+from ..mechanism.mesh.discretization import Discretization
 from .equilibrium import BatchResult, Status
 from .loads import loads_of, pushing
 from .paths.chain import Chain

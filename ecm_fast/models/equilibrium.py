@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from ..errors import NotConverged
 from ..kernels import layout
 from ..mechanism.mechanism import Mechanism
-from ..mesh.discretization import Discretization
-from ..mesh.families import FAMILIES
+from ..mechanism.mesh.discretization import Discretization
+from ..mechanism.mesh.families import FAMILIES
 from .tendon_state import TendonState, unknown_state
 
 __all__ = ["BatchResult", "Equilibrium", "Solution", "Status"]

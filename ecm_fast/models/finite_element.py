@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, real
 from ..mechanism.mechanism import Mechanism
+from ..mechanism.mesh.discretization import Discretization, lowest_order
+from ..mechanism.mesh.families import find_family
 from ..mechanism.vector import pack
-from ..mesh.discretization import Discretization, lowest_order
-from ..mesh.families import find_family
 from .batch import solve_cases
 from .body import divide
 from .equilibrium import BatchResult, Equilibrium
@@ -43,7 +43,7 @@ class FiniteElementModel:
     elements : how many elements, or their relative lengths from the clamp; default as many as `accuracy` needs
     order : of the shape functions, 1 to 6; default what `accuracy` needs, if the family goes that far
     gauss : Gauss points per element; default as many as neither lock nor waste
-    family : ``"lagrange"``, ``"se2"`` or ``"strain"``, see `families`
+    family : ``"lagrange"``, ``"se2"`` or ``"strain"``, see `mechanism.mesh.families`
     accuracy : largest discretization error of the tip pose, in rad and shares of the length. Starts with one element
         of the lowest order that keeps it for mechanisms like the presets under tendons up to 160 N or wrenches up to
         (330 N, 80 N, 11 N m): 3 to 6 for 2e-4, 1e-5, 5e-7 and 1e-8. `solve` and `solve_batch` refine what needs more,

@@ -13,8 +13,8 @@ from ..kernels.general.batch import solve_many
 from ..kernels.general.error import tip_errors
 from ..kernels.general.newton import solve_work_size
 from ..kernels.layout import L_FX, L_GRAVITY, N_OUT, N_STATION, N_TIP, O_FACTOR, O_PRELOAD, O_THETA, O_X, O_Z
+from ..mechanism.mesh.discretization import Discretization
 from ..mechanism.parameters import PLACES
-from ..mesh.discretization import Discretization
 from .body import lengths_of, piece_ends
 from .equilibrium import Status
 from .loads import LAM_PLACES, loads_of

@@ -11,9 +11,9 @@ from ..kernels.general.newton import solve_work_size
 from ..kernels.general.sensitivity import pose_sensitivities
 from ..kernels.layout import N_STATION, N_TIP
 from ..mechanism.catalogue import CATALOGUE
+from ..mechanism.mesh.discretization import Discretization
 from ..mechanism.parameters import N_BUILT_IN, find, index
 from ..mechanism.sections import STIFFNESSES
-from ..mesh.discretization import Discretization
 from .equilibrium import Status
 from .loads import loads_of, pushing
 from .refinement import solutions

@@ -21,7 +21,7 @@ from ..kernels.layout import (
 )
 from ..kernels.prepare import prepare
 from ..mechanism.mechanism import Mechanism
-from ..mesh.discretization import Discretization
+from ..mechanism.mesh.discretization import Discretization
 from .batch import fast_path
 from .equilibrium import Equilibrium, Status
 from .loads import MIN_TOLERANCE, last_step, pushing

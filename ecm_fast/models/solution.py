@@ -10,8 +10,8 @@ from ..kernels.general.sensitivity import tip_derivatives
 from ..kernels.layout import R_FX, R_FZ, R_LAM_L, R_LAM_R, R_TAU
 from ..kernels.prepare import prepare
 from ..mechanism.mechanism import Mechanism
+from ..mechanism.mesh.discretization import Discretization
 from ..mechanism.vector import check_tail
-from ..mesh.discretization import Discretization
 from .body import lengths_of
 from .equilibrium import Status
 from .loads import loads_of

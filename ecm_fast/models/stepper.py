@@ -13,8 +13,8 @@ from ..kernels.history import begin, next_row, row_pieces
 from ..kernels.layout import L_FX, L_GRAVITY
 from ..kernels.prepare import prepare
 from ..mechanism.mechanism import Mechanism
+from ..mechanism.mesh.discretization import Discretization
 from ..mechanism.vector import pack
-from ..mesh.discretization import Discretization
 from .batch import fast_path
 from .equilibrium import Status
 from .instruments.history import USER_ROWS, attachments, is_on_path, path_effects

@@ -42,7 +42,7 @@ def sweep(lam_max: float = 160.0) -> Measurements:
 
 def signatures(mechanism: Mechanism, data: Measurements, effects: Sequence[Effect]) -> Array:
     """Return the change of every reading by a typical size of each effect, (k, n, 3) [m, m, rad]."""
-    from ..mesh.discretization import Discretization
+    from ..mechanism.mesh.discretization import Discretization
 
     rows = FitRows(
         [FitSet(mechanism, data)], [effect.size.key for effect in effects], Discretization.from_elements(1, 5)

@@ -16,8 +16,8 @@ from ..kernels._notice import CompileNotice
 from ..kernels.general.tip import tendon_directions
 from ..kernels.polynomial import DEGREES
 from ..mechanism.mechanism import Mechanism
+from ..mechanism.mesh.families import FAMILIES
 from ..mechanism.vector import pack
-from ..mesh.families import FAMILIES
 from ..models.equilibrium import Equilibrium
 from ..models.finite_element import FiniteElementModel
 from ..models.paths.condensed import ORDERS

@@ -9,7 +9,7 @@ from commands import Run
 
 from ecm_fast import Mechanism, identify, read_measurements
 
-DATASETS = files("ecm_fast.data.datasets")
+DATASETS = files("ecm_fast.data.datasets") / "simulated"
 TENDON = str(DATASETS / "simulated_slender_tendon.csv")
 SHEAR = str(DATASETS / "simulated_slender_shear.csv")
 PUSHES = str(DATASETS / "simulated_compression_28mm.csv")

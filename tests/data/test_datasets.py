@@ -27,8 +27,9 @@ def test_every_dataset_has_its_files_and_its_source() -> None:
         assert name.startswith("simulated_")
         assert datasets.describe(name).startswith("SIMULATED, nobody measured this.")
     for name in datasets.available():
-        assert (files("ecm_fast.data.datasets") / f"{name}.csv").is_file()
-        assert (files("ecm_fast.data.datasets") / f"{name}.toml").is_file()
+        folder = files("ecm_fast.data.datasets") / ("measured" if name in measured else "simulated")
+        assert (folder / f"{name}.csv").is_file()
+        assert (folder / f"{name}.toml").is_file()
     assert "Int. J. Engng Ed. 19 (2003) 885-892" in datasets.describe("steel_cantilever")
     assert "Soft Robotics Lab, ETH Zurich" in datasets.describe("silicone_cantilever")
     assert "NOT made by this program" in datasets.reference_solutions().origin

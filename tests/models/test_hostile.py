@@ -18,11 +18,11 @@ from ecm_fast.errors import InputError
 from ecm_fast.kernels.general.newton import MAX_ITERATIONS, MAX_LOAD_STEPS
 from ecm_fast.mechanism.derived import limits
 from ecm_fast.mechanism.mechanism import Mechanism
+from ecm_fast.mechanism.mesh.discretization import Discretization
 from ecm_fast.mechanism.parameters import PARAMETERS, PLACES, find
 from ecm_fast.mechanism.quantity import Quantity
 from ecm_fast.mechanism.sections import AXIAL_LAWS, SECTIONS
 from ecm_fast.mechanism.vector import pack, unpack
-from ecm_fast.mesh.discretization import Discretization
 from ecm_fast.models import reference
 from ecm_fast.models.equilibrium import Equilibrium, Status
 from ecm_fast.models.finite_element import FiniteElementModel

@@ -2,7 +2,7 @@
 
 import pytest
 
-from bench.random_worlds import compare, world
+from bench.robustness.random_worlds import compare, world
 from ecm_fast import FiniteElementModel, Status
 
 COUNT = 60
@@ -10,7 +10,7 @@ COUNT = 60
 
 @pytest.fixture(scope="module")
 def tally():
-    """Return the comparison of a few worlds; `bench/random_worlds.py` takes as many as one likes."""
+    """Return the comparison of a few worlds; `bench/robustness/random_worlds.py` takes as many as one likes."""
     return compare(7, range(COUNT))
 
 

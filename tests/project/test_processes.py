@@ -101,7 +101,7 @@ print(len(files), sorted(files - {str(path) for path in sources()}))
     number, missing = done.stdout.split(maxsplit=1)
     assert int(number) > 40
     # what holds no arithmetic: the package's lazy names, messages of errors
-    allowed = [f"{ROOT}/ecm_fast/{name}.py" for name in ("__init__", "errors", "mesh/__init__")]
+    allowed = [f"{ROOT}/ecm_fast/{name}.py" for name in ("__init__", "errors")]
     assert set(ast.literal_eval(missing)) <= set(allowed)
 
 
@@ -111,7 +111,7 @@ print(len(files), sorted(files - {str(path) for path in sources()}))
         ("kernels/trig.py", True),
         ("kernels/condensed/physics.py", True),
         ("kernels/general/elements/lagrange.py", True),
-        ("mesh/families/__init__.py", True),
+        ("mechanism/mesh/families/__init__.py", True),
         ("mechanism/catalogue/__init__.py", True),
         ("cli/__init__.py", False),
     ],

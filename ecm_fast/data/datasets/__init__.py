@@ -116,7 +116,8 @@ def _file(name: str, ending: str) -> AbstractContextManager[Path]:
     if name not in _NAMES:
         allowed = " or ".join(repr(known) for known in _NAMES)
         raise InputError(f"dataset = {name!r}: allowed is {allowed}{did_you_mean(str(name), _NAMES)}")
-    return _path(f"{name}{ending}")
+    folder = "simulated" if name.startswith("simulated_") else "measured"
+    return _path(f"{folder}/{name}{ending}")
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ...mesh.families.quadrature import integrals
+from ...mechanism.mesh.families.quadrature import integrals
 from .. import layout
 from ..unroll import BlockFactor, Code, cofactor, determinant, dot, function, invariants, total
 from .formulation import record_step
@@ -22,7 +22,7 @@ __all__ = ["written_out"]
 DIRECTIONS = ("x", "z")
 LANE = ("points", "con", "cr", "cl", "state", "sr", "j")
 """Arguments of a step in one lane; the first is a tuple whose length is the order."""
-# of the bound of the discretization error, by order. In 1640 random worlds (`bench/random_worlds.py`) it was above
+# of the bound of the discretization error, by order. In 1640 worlds of `bench/robustness/random_worlds.py` it was above
 # the error wherever that exceeded 1e-6; rough compliances: 1.5 covers soft spots and bonded ends there
 MARGIN = {3: 3e2, 4: 3e3, 5: 3e4, 6: 1e6}
 ROUGH = 1.5

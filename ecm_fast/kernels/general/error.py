@@ -19,8 +19,8 @@ from .tip import tip_wrench
 
 __all__ = ["tip_error", "tip_errors"]
 
-# of the finer mesh's Newton step. Over 5e3 random worlds (`bench/random_worlds.py`) twice the step is above the error
-# in 99.3 % to 99.6 % for orders 3 to 6, and below 30 times the error in 99.9 %
+# of the finer mesh's Newton step. Over 5e3 worlds of `bench/robustness/random_worlds.py` twice the step is above the
+# error in 99.3 % to 99.6 % for orders 3 to 6, and below 30 times the error in 99.9 %
 SAFETY = 2.0
 
 

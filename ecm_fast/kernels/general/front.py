@@ -56,7 +56,7 @@ def eliminate(front, first, last, res, band):
 def newton_step(tables, stations, tip, loads, q, work, step, K_tip):
     """Newton's step at `q`, [A1] of `reference.assembly`.
 
-    tables : the elements' family and shape functions, see `families`
+    tables : the elements' family and shape functions, see `mechanism.mesh.families`
     stations : (n_stations, N_STATION), tip : (N_TIP,), loads : (N_LOADS,)
     q : (3 n_nodes,)      all nodes, the clamped one first
     work : see `work_size`

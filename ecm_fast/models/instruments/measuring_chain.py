@@ -15,8 +15,8 @@ from ...errors import InputError
 from ...kernels.camera import read, read_derivatives
 from ...kernels.prepare import prepare
 from ...mechanism.catalogue import CATALOGUE
+from ...mechanism.mesh.discretization import Discretization
 from ...mechanism.parameters import PARAMETERS, PLACES, find, index
-from ...mesh.discretization import Discretization
 from ..batch import fast_path, solve_cases
 from ..equilibrium import BatchResult
 from ..refinement import resolve, work_arrays

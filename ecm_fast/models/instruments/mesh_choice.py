@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from ...data.columns import channel_key
 from ...data.measurements import Measurements
 from ...mechanism.mechanism import Mechanism
+from ...mechanism.mesh.discretization import Discretization
 from ...mechanism.vector import pack
-from ...mesh.discretization import Discretization
 from .robot_chain import chain_of
 
 __all__ = ["mesh_for"]

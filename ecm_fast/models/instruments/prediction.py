@@ -14,8 +14,8 @@ from ...data.columns import CHANNELS, COLUMNS, LOADS, channel_key
 from ...data.measurements import Measurements
 from ...files import csv_text, write_whole
 from ...mechanism.mechanism import Mechanism
+from ...mechanism.mesh.discretization import Discretization
 from ...mechanism.vector import pack
-from ...mesh.discretization import Discretization
 from ..body import divide
 from ..equilibrium import Status
 from ..loads import MIN_TOLERANCE, last_step

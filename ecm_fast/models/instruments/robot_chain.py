@@ -19,9 +19,9 @@ from ...kernels.layout import N_STATION, N_TENDONS, N_TIP
 from ...mechanism.body import MARKER, TENDON
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
+from ...mechanism.mesh.discretization import Discretization
 from ...mechanism.parameters import FIRST_MARKER, FIRST_TENDON, find, index
 from ...mechanism.vector import pack
-from ...mesh.discretization import Discretization
 from ..body import divide, on_mesh
 from ..equilibrium import Status
 from ..loads import LAM_PLACES, loads_of

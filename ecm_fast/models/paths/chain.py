@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...kernels.chain import solve as chain
 from ...kernels.chain.constants import condense_chain, constants_size
 from ...kernels.layout import CONVERGED, H_SIZE, INVALID_INPUT, N_LOADS
-from ...mesh.discretization import Discretization
+from ...mechanism.mesh.discretization import Discretization
 from .condensed import STRETCH, Columns, Guess
 from .general import StepCore, System, general_stepper
 

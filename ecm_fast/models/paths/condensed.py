@@ -29,7 +29,7 @@ from ...kernels.layout import (
     R_SIZE,
     R_TAU,
 )
-from ...mesh.discretization import Discretization
+from ...mechanism.mesh.discretization import Discretization
 from .general import StepCore, System, without_forces
 
 __all__ = ["Columns", "Condensation", "Guess", "columns", "solve_mechanisms", "solve_nodes"]

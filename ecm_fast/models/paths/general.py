@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...kernels.condensed.step_memory import general_step, trail_size
 from ...kernels.general.newton import solve, solve_work_size
 from ...kernels.layout import CONVERGED, N_LOADS, N_OUT
-from ...mesh.discretization import Discretization
+from ...mechanism.mesh.discretization import Discretization
 
 __all__ = ["Step", "StepCore", "System", "general_stepper", "without_forces"]
 

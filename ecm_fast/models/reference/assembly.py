@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...mesh.discretization import Discretization
+from ...mechanism.mesh.discretization import Discretization
 from .body import at_place, body_at, element_ends
 from .element import element_energy, element_force, element_tangent
 from .parameters import Parameters, length

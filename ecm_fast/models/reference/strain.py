@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...mesh.families import lagrange, lobatto_nodes
+from ...mechanism.mesh.families import lagrange, lobatto_nodes
 from .parameters import Parameters, beam_weight
 from .section import section_energy
 

@@ -8,8 +8,8 @@ from ...kernels.layout import N_OUT, O_THETA, UNSTABLE
 from ...kernels.prepare import prepare
 from ...mechanism.body import Marker
 from ...mechanism.mechanism import Mechanism
+from ...mechanism.mesh.discretization import Discretization
 from ...mechanism.vector import pack
-from ...mesh.discretization import Discretization
 from ..body import breaks, divide, on_mesh
 from ..refinement import work_arrays
 from .tendons import by_length, without_given

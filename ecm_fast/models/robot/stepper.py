@@ -16,9 +16,9 @@ from ...kernels.layout import CONVERGED, N_LOADS, N_OUT, N_TENDONS
 from ...kernels.prepare import prepare
 from ...mechanism.body import TENDON
 from ...mechanism.mechanism import Mechanism
+from ...mechanism.mesh.discretization import Discretization
 from ...mechanism.parameters import FIRST_TENDON
 from ...mechanism.vector import pack
-from ...mesh.discretization import Discretization
 from ..loads import LAM_PLACES, one_load
 from ..paths.general import without_forces
 from ..refinement import work_arrays

@@ -16,8 +16,8 @@ from ...kernels.layout import CONVERGED, N_OUT, N_TENDONS, O_ITERATIONS
 from ...kernels.prepare import prepare
 from ...mechanism.body import TENDON
 from ...mechanism.mechanism import Mechanism
+from ...mechanism.mesh.discretization import Discretization
 from ...mechanism.parameters import FIRST_TENDON
-from ...mesh.discretization import Discretization
 from ..loads import LAM_PLACES, forces_by_name, numbers
 from ..refinement import work_arrays
 from ..tendon_state import TendonState

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import InputError, shown
 from ...mechanism.mechanism import Mechanism
-from ...mesh.families import FAMILIES, find_family
+from ...mechanism.mesh.families import FAMILIES, find_family
 from ...models.finite_element import FiniteElementModel
 
 __all__ = ["Candidate", "candidates", "ending_at_jumps", "graded", "stiffness_jumps"]

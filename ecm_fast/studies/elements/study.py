@@ -150,7 +150,7 @@ def study_elements(
     loads : "tendons" or "box", of which 300 are drawn, or load cases, see `LoadSet.of`
     tolerance : of the tip pose, in shares of the length and rad, for the recommendation
     compared : the candidates; default `candidates` of the mechanism
-    family : the only one of which the default candidates are, see `families`; default all
+    family : the only one of which the default candidates are, see `mechanism.mesh.families`; default all
     seed : of the drawn loads
     progress : called with one line of text before every part
 

@@ -24,9 +24,9 @@ from ... import __version__
 from ...errors import InputError
 from ...files import csv_text, write_whole
 from ...mechanism.mechanism import Mechanism
+from ...mechanism.mesh.discretization import Discretization
 from ...mechanism.sections import PRESETS
 from ...mechanism.vector import pack
-from ...mesh.discretization import Discretization
 from ...models import reference
 from ...models.finite_element import FiniteElementModel
 from ...models.polynomial.model import PolynomialModel

@@ -11,7 +11,7 @@ apply_step(tables, q, step, fresh)                            moves the whole be
 
 from typing import Any
 
-from ....mesh.families import Se2Tables, StrainTables
+from ....mechanism.mesh.families import Se2Tables, StrainTables
 from ..._jit import by_first_type
 from . import lagrange, se2, strain
 

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from ....data.columns import LOADS, PAIR
 from ....data.measurements import Measurements
 from ....mechanism.mechanism import Mechanism
+from ....mechanism.mesh.discretization import Discretization
 from ....mechanism.parameters import find, index
 from ....mechanism.sections import STIFFNESSES
 from ....mechanism.vector import pack
-from ....mesh.discretization import Discretization
 from ...equilibrium import Status
 from ..measuring_chain import MeasuringChain
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from ....data.columns import CAMERA_SIGMA, COLUMNS, PAIR
 from ....data.measurements import Measurements
 from ....mechanism.mechanism import Mechanism
+from ....mechanism.mesh.discretization import Discretization
 from ....mechanism.vector import pack
-from ....mesh.discretization import Discretization
 from ...equilibrium import Status
 from ..measuring_chain import MeasuringChain
 from .calibration import CELLS, Calibration, calibrate, moved_force, newtons, scales, with_force

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from ....data.columns import CAMERA_SIGMA, CHANNELS, COLUMNS, match
 from ....data.measurements import Measurements
 from ....mechanism.mechanism import Mechanism
+from ....mechanism.mesh.discretization import Discretization
 from ....mechanism.sections import STIFFNESSES
 from ....mechanism.vector import pack
-from ....mesh.discretization import Discretization
 from ...loads import last_step
 from ..measuring_chain import MeasuringChain
 from .calibration import Calibration, calibrate

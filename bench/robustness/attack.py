@@ -1,8 +1,8 @@
 """Attacks on the files and processes of the package, counted: damaged inputs, signals, kills.
 
-    python3 tools/run.py python bench/attack.py files 100000
-    python3 tools/run.py python bench/attack.py signals 200
-    python3 tools/run.py python bench/attack.py kills 20
+    python3 tools/run.py python bench/robustness/attack.py files 100000
+    python3 tools/run.py python bench/robustness/attack.py signals 200
+    python3 tools/run.py python bench/robustness/attack.py kills 20
 
 A damaged file must be read, or refused by one line of `InputError`; what a signal leaves must be whole; a sweep that
 was killed must end with the bytes of one that was not.

@@ -13,10 +13,10 @@ import pytest
 from ecm_fast import FiniteElementModel, InputError, Mechanism, Status
 from ecm_fast.kernels import layout, prepare, trig
 from ecm_fast.kernels.general.elements import se2, strain
+from ecm_fast.mechanism.mesh.discretization import Discretization
 from ecm_fast.mechanism.parameters import find
 from ecm_fast.mechanism.sections import EFFECT_QUANTITIES
 from ecm_fast.mechanism.vector import pack
-from ecm_fast.mesh.discretization import Discretization
 from ecm_fast.models import reference
 
 KERNELS = {"se2": se2, "strain": strain}

@@ -1,6 +1,6 @@
 """Random mechanisms and loads, and what every way of solving says of them against finer meshes.
 
-    python3 tools/run.py python bench/random_worlds.py --count 20000 [--seed 0] [--first 0]
+    python3 tools/run.py python bench/robustness/random_worlds.py --count 20000 [--seed 0] [--first 0]
 
 A world is a mechanism of any length from 1 mm to 10 m, its stiffnesses spread over six decades, with no effect, one or
 two at 0.1 to 10 times their typical size, and one load that bends it anywhere from hardly to many times round.

@@ -4,7 +4,7 @@ To add one: declare it in a file here and in `FAMILIES`, write its kernels and n
 its energy in `reference`. The front, Newton's method, batches, steppers, sensitivities and shapes then take it.
 """
 
-from ...errors import InputError, did_you_mean, shown
+from ....errors import InputError, did_you_mean, shown
 from .family import Family
 from .lagrange import LAGRANGE
 from .quadrature import gauss_rule, integrals, lagrange, lobatto_nodes

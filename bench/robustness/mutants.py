@@ -1,9 +1,9 @@
 """Mutants: a small change of the code each (cosmic-ray's operators), and whether a test notices it. By hand, not in CI.
 
     python3 tools/run.py python -m uv pip install cosmic-ray
-    COVERAGE_FILE=found.lines python3 tools/run.py python -m coverage run --rcfile=bench/mutants.cfg \
+    COVERAGE_FILE=found.lines python3 tools/run.py python -m coverage run --rcfile=bench/robustness/mutants.cfg \
         -m pytest -m "not slow" tests/data tests/diagnosis tests/identification tests/models
-    python3 tools/run.py python bench/mutants.py found.jsonl found.lines kernels models diagnosis data
+    python3 tools/run.py python bench/robustness/mutants.py found.jsonl found.lines kernels models diagnosis data
 
 The sample is seeded, and drawn anew from the code that there is. Each mutant is made in a copy of the tree. A mutant of
 Python code meets the tests that run its line, those that run least beside it first; one of a kernel meets the tests of
@@ -33,7 +33,7 @@ from cosmic_ray.mutating import MutationVisitor
 from cosmic_ray.plugins import get_operator, operator_names
 from coverage import CoverageData
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 # of each group: folders, and how many mutants of them
 GROUPS = {
     "kernels": (("kernels",), 40),
@@ -53,7 +53,7 @@ SUITES = {
     "kernels/condensed/step": ["tests/models/test_stepper.py", "tests/kernels/test_condensed.py"],
     "kernels/condensed": ["tests/kernels/test_condensed.py"],
     "kernels/unroll": ["tests/kernels/test_unroll.py", "tests/kernels/test_condensed.py"],
-    "kernels/general/elements": ["tests/mesh/test_families.py"],
+    "kernels/general/elements": ["tests/mechanism/test_families.py"],
     "kernels/general/sensitivity": ["tests/models/test_sensitivity.py"],
     "kernels/general/lengths": ["tests/models/robot/test_tendons.py"],
     "kernels/general/tendons": ["tests/models/robot/test_tendons.py"],

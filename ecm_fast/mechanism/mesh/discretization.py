@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError, shown
+from ...errors import InputError, shown
 from .families import FAMILIES, find_family, gauss_rule, integrals, lagrange, lobatto_nodes
 
 __all__ = ["DEFAULT_ORDER", "Discretization", "lowest_order"]
