@@ -349,7 +349,7 @@ FINITE = "allowed is a finite number; see ecm-fast solve --help"
 WHOLE = "allowed is a whole number; see ecm-fast solve --help"
 COMMANDS = (
     "solve, predict, identify, polynomial fit, polynomial eval, elements, plan, diagnose, next, sweep, "
-    "effects, hide, score, init, view, reproduce, "
+    "effects, hide, score, init, import, view, reproduce, "
     "bench, warmup"
 )
 SOLVE = ("solve", "--tendons", "1", "2")
