@@ -104,8 +104,8 @@ def test_beyond_the_range_it_says_so(run: Run) -> None:
         (
             ("fot",),
             "no command 'polynomial fot' (did you mean 'polynomial fit'?); allowed are solve, predict, identify, "
-            "polynomial fit, polynomial eval, elements, plan, diagnose, next, sweep, effects, hide, score, init, view, "
-            "reproduce, bench, warmup",
+            "polynomial fit, polynomial eval, elements, plan, diagnose, next, sweep, effects, hide, score, init, "
+            "import, view, reproduce, bench, warmup",
         ),
         (("fit", "--degre", "3"), "unknown argument '--degre' (did you mean '--degree'?); see ecm-fast polynomial fit"),
         (("--json", "fit"), "unknown argument '--json': say it after polynomial fit; see ecm-fast polynomial fit"),
