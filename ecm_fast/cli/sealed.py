@@ -82,21 +82,21 @@ def _score(args: argparse.Namespace) -> Answer:
 
 
 def _text(grade: "Score") -> str:
-    said = {True: "yes", False: "NO", None: "not asked"}
+    answers = {True: "yes", False: "NO", None: "not asked"}
     lines = [
         f"hidden: {', '.join(grade.hidden) or 'nothing'}",
         f"answer: {grade.verdict}, {', '.join(grade.named) or 'no name'}",
-        f"verdict right: {said[grade.verdict_right]}",
-        f"first names right: {said[grade.top]}",
-        f"truth in the reported set: {said[grade.in_set]}",
+        f"verdict right: {answers[grade.verdict_right]}",
+        f"first names right: {answers[grade.top]}",
+        f"truth in the reported set: {answers[grade.in_set]}",
         f"more effects than hidden: {'YES' if grade.extra else 'no'}",
     ]
     if grade.set_size is not None:
         lines.append(f"names in a set: {grade.set_size:.3g}")
     if grade.alone:
-        lines.append(f"names printed alone right: {said[grade.alone_right]}")
+        lines.append(f"names printed alone right: {answers[grade.alone_right]}")
     for name, error in grade.size_error.items():
-        lines.append(f"{name}: {error:+.2%} off, interval holds the truth: {said[grade.covered.get(name)]}")
+        lines.append(f"{name}: {error:+.2%} off, interval holds the truth: {answers[grade.covered.get(name)]}")
     if grade.gap_closed is not None:
         lines.append(f"gap closed on locked rows, of the mechanism calibrated alone: {grade.gap_closed:.2%}")
     if grade.gap_closed_since_given is not None:

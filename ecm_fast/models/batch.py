@@ -152,8 +152,8 @@ def _preload_factors(
 ) -> Array:
     """Return what the necks carry of what acts without tendon forces and wrench, (n,)."""
     preload_factor, rest = np.ones(len(lam)), np.flatnonzero(load_factor == 0.0)
-    own, cases = par if len(par) == 1 else par[rest], (lam[rest], wrench if len(wrench) == 1 else wrench[rest])
-    preload_factor[rest] = solutions(mesh, own, *cases, step_tol2).preload_factor
+    some, cases = par if len(par) == 1 else par[rest], (lam[rest], wrench if len(wrench) == 1 else wrench[rest])
+    preload_factor[rest] = solutions(mesh, some, *cases, step_tol2).preload_factor
     return preload_factor
 
 

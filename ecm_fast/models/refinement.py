@@ -88,8 +88,8 @@ def work_arrays(mesh: Discretization) -> tuple[Array, Array, Array, Array, Array
 def reached(loads: Array, factor: Any) -> Array:
     """Return loads (n, N_LOADS) of which tendon forces and wrench have a share `factor` (n, 1), see `Equilibrium`."""
     loads = loads.copy()
-    own = loads[..., _GROWING]
-    loads[..., _GROWING] = np.multiply(own, factor, where=factor > 0.0, out=np.zeros_like(own))  # may be infinite
+    full = loads[..., _GROWING]
+    loads[..., _GROWING] = np.multiply(full, factor, where=factor > 0.0, out=np.zeros_like(full))  # may be infinite
     return loads
 
 
@@ -105,9 +105,9 @@ def solutions(mesh: Discretization, par: Array, lam: Array, wrench: Array, step_
     pose = q[:, -3:].copy()
     todo = np.flatnonzero(status != Status.CONVERGED)
     if todo.size:
-        own, loads = par if len(par) == 1 else par[todo], loads_of(lam, wrench)[todo]
+        mechanisms, loads = par if len(par) == 1 else par[todo], loads_of(lam, wrench)[todo]
         out, verdict, nodes = np.empty((todo.size, N_OUT)), status[todo], q[todo]
-        solve_many(mesh.tables, mesh.mesh, mesh.nodes, own, loads, work_arrays(mesh), out, verdict, nodes)
+        solve_many(mesh.tables, mesh.mesh, mesh.nodes, mechanisms, loads, work_arrays(mesh), out, verdict, nodes)
         status[todo], q[todo], factor[todo] = verdict, nodes, out[:, O_FACTOR]
         preload_factor[todo] = out[:, O_PRELOAD]
         pose[todo] = out[:, [O_X, O_Z, O_THETA]]
@@ -131,10 +131,10 @@ def errors(mesh: Discretization, par: Array, loads: Array, found: Solutions) -> 
     error, known = np.empty(len(loads)), np.zeros(len(loads), dtype=np.int64)
     tip_errors(mesh.tables, mesh.halves, half.mesh, half.nodes, par, at, found.q, known, work_arrays(half), error)
     for i in np.flatnonzero(np.broadcast_to(par[:, PLACES.effects_soft_spot_size] != 0.0, len(loads))):
-        own = par if len(par) == 1 else par[i : i + 1]
-        fine = half.ending(jumps(own))
+        one = par if len(par) == 1 else par[i : i + 1]
+        fine = half.ending(jumps(one))
         if fine != half:
-            error[i] = max(error[i], _change(fine, own, at[i : i + 1], found.pose[i : i + 1])[0])
+            error[i] = max(error[i], _change(fine, one, at[i : i + 1], found.pose[i : i + 1])[0])
     return kinks * error
 
 
@@ -265,9 +265,9 @@ def solve_refined(
                 waiting.setdefault(next_, []).append(int(i))
         left: list[int] = []
         for next_, rows in waiting.items():
-            own = par if len(par) == 1 else par[rows]
-            new = solutions(next_, own, lam[rows], wrench[rows], step_tol2)
-            estimate = errors(next_, own, loads_of(lam[rows], wrench[rows]), new)
+            some = par if len(par) == 1 else par[rows]
+            new = solutions(next_, some, lam[rows], wrench[rows], step_tol2)
+            estimate = errors(next_, some, loads_of(lam[rows], wrench[rows]), new)
             verdict = new.status, new.load_factor, estimate
             sure = stands(verdict, accuracy, (status[rows], factor[rows], error[rows]))
             pose[rows], (status[rows], factor[rows], error[rows]), meshes[rows] = new.pose, verdict, next_

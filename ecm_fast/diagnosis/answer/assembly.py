@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ...data.columns import CHANNELS
 from ...identification.rows import State
 from ...mechanism.parameters import find
-from ..design.detectability import distances, sights
+from ..design.detectability import detectabilities, distances
 from ..problem.linearization import Linearization
 from ..problem.problem import DRIFT, Problem
 from ..proof.discrepancy import remainder
@@ -33,14 +33,14 @@ def assemble_plan(problem: Problem, alpha: float, seed: int) -> Plan:
     values = dict(zip(problem.keys, problem.start(problem.keys).tolist(), strict=True))
     noise = problem.noise(problem.rows.at(problem.start(problem.keys)))
     view = Linearization.at(problem, values, (), noise, known=True)
-    _, cosine, apart = distances(view)
+    _, cosine, separation = distances(view)
     lost = int((~problem.state((), values).stable).sum())
     return Plan(
         rows=problem.rows.n,
-        sights=sights(view, alpha, seed),
+        sights=detectabilities(view, alpha, seed),
         names=tuple(candidate.name for candidate in problem.candidates),
         cosines=cosine,
-        distances=apart,
+        distances=separation,
         noise=_in_words(view),
         missing=missing_columns(problem),
         warnings=(f"{lost} loads have no stable equilibrium",) if lost else (),
@@ -86,7 +86,7 @@ def assemble(
     opened = Residuals.from_states(problem, before, after, weights, selection.scale, lacking)
     shown_gap, far = gap(problem, opened, problem.locked, "rows set aside", seed)
     effects, missing = claims(selection, without), missing_columns(problem)
-    seen = sights(baseline, alpha, seed)
+    seen = detectabilities(baseline, alpha, seed)
     verdict = verdict_of(effects, outside=selection.outside, gap_in_data=bool(missing) and view.cleaned.memory > 0.2)
     left = None
     if verdict in ("outside_catalogue", "data_gap"):

@@ -17,7 +17,7 @@ from ..statistics.lack_of_fit import NAMED, null_quantile
 from ..statistics.priors import SIZE_SPREAD
 from .load_pool import Pool
 
-__all__ = ["GROUPS", "MATERIAL_TESTS", "distances", "informative_loads", "sights"]
+__all__ = ["GROUPS", "MATERIAL_TESTS", "detectabilities", "distances", "informative_loads"]
 
 Array = NDArray[np.float64]
 
@@ -38,37 +38,37 @@ def distances(view: Linearization) -> tuple[Array, Array, Array]:
     """
     gram = view.gram
     sigmas, cosine = gram.norm / SIZE_SPREAD, np.clip(gram.cosine, -1.0, 1.0)
-    apart = sigmas[:, None] * np.sqrt(1.0 - cosine**2)
+    separation = sigmas[:, None] * np.sqrt(1.0 - cosine**2)
     with np.errstate(divide="ignore", invalid="ignore"):
         needed = np.abs(cosine) * sigmas[:, None] / sigmas
-    apart[~(needed <= _PLAUSIBLE)] = np.inf
+    separation[~(needed <= _PLAUSIBLE)] = np.inf
     wrong_sign = gram.one_sided[None, :] & gram.one_sided[:, None] & (cosine < 0.0)
-    apart = np.where(wrong_sign, sigmas[:, None], apart)
-    np.fill_diagonal(apart, np.inf)
-    return sigmas, cosine, np.asarray(apart)
+    separation = np.where(wrong_sign, sigmas[:, None], separation)
+    np.fill_diagonal(separation, np.inf)
+    return sigmas, cosine, np.asarray(separation)
 
 
-def sights(view: Linearization, alpha: float, seed: int) -> tuple[Detectability, ...]:
+def detectabilities(view: Linearization, alpha: float, seed: int) -> tuple[Detectability, ...]:
     """Return what the rows of a view can show of every candidate."""
     gram, candidates = view.gram, view.problem.candidates
     if not candidates:
         return ()
-    sigmas, cosine, apart = distances(view)
+    sigmas, cosine, separation = distances(view)
     needed = null_quantile(gram, view.cleaned.trusted_dof(), NAMED * alpha, seed) + _FOUND
     seen = needed <= _SEEN * sigmas
-    rival = np.where(seen[None, :], apart, np.inf)
+    rival = np.where(seen[None, :], separation, np.inf)
     what, then = informative_loads(view)
     answer = []
     for i, candidate in enumerate(candidates):
         smallest = needed / sigmas[i] * candidate.typical if sigmas[i] > 0.0 else np.inf
         kept = float(gram.norm[i] / gram.raw[i]) if gram.raw[i] > 0.0 else 0.0
         needs = lacking(candidate.effect, view.problem.data)
-        nearest = [int(j) for j in np.argsort(apart[i])[:_RIVALS] if np.isfinite(apart[i, j])]
+        nearest = [int(j) for j in np.argsort(separation[i])[:_RIVALS] if np.isfinite(separation[i, j])]
         named = seen[i] and float(rival[i].min(initial=np.inf)) > _TOLD
         lost = gram.raw[i] / SIZE_SPREAD * _SEEN >= needed and kept < _ABSORBED
         visible = "named" if named else "seen" if seen[i] else "absorbed" if lost else "invisible"
         entry = candidate.effect.size
-        rivals = tuple((candidates[j].name, float(cosine[i, j]), float(apart[i, j])) for j in nearest)
+        rivals = tuple((candidates[j].name, float(cosine[i, j]), float(separation[i, j])) for j in nearest)
         size = (entry.unit, entry.typical, float(sigmas[i]), float(smallest))
         shows = needed <= _SEEN * then[i] / SIZE_SPREAD and not seen[i]
         shown_by = (what[i], float(then[i] / SIZE_SPREAD)) if shows else ("", 0.0)

@@ -115,9 +115,9 @@ class DiscriminationDesign:
         hopeful = self._hopeful(minutes)
         self.open = hopeful if hopeful.any() else ~hopeful
         before, add_on = self.now(), np.array(self.pool.add_on)
-        apart = np.sqrt(self.then(repeats)[self.open].min(axis=0, initial=_LARGEST))
+        separation = np.sqrt(self.then(repeats)[self.open].min(axis=0, initial=_LARGEST))
         alone = {
-            name: float(apart[(add_on == name) & self.feasible].max(initial=0.0)) for name in dict.fromkeys(add_on)
+            name: float(separation[(add_on == name) & self.feasible].max(initial=0.0)) for name in dict.fromkeys(add_on)
         }
         mounted, spent, taken, now = {"nothing"}, 0.0, list[int](), before
         while self.open.any() and now[self.open].min() < ENOUGH**2:
@@ -146,12 +146,12 @@ class DiscriminationDesign:
             del later[load]
             without = [[one[0] - repeats * sum(n * one[1 + i] for i, n in later.items()) for one in term]
                        for term in self.terms]  # fmt: skip
-            apart = np.where(self.open, np.sqrt([float(_left(*one)) for one in without]), np.inf)
-            i, j = self.pairs[int(np.argmin(apart))]
+            separation = np.where(self.open, np.sqrt([float(_left(*one)) for one in without]), np.inf)
+            i, j = self.pairs[int(np.argmin(separation))]
             cost = self.pool.minutes(load, mounted, repeats * times)
             mounted.add(self.pool.add_on[load])
             yield Suggestion(self.pool.named(load), self.pool.add_on[load], repeats * times, cost,
-                             float(apart.min()), (self.rivals[i].name, self.rivals[j].name))  # fmt: skip
+                             float(separation.min()), (self.rivals[i].name, self.rivals[j].name))  # fmt: skip
 
     def _hopeful(self, minutes: float) -> NDArray[np.bool_]:
         """Return which pairs any load of the pool could split if all the time were spent on it, (pairs,)."""

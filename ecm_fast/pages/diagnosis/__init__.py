@@ -217,7 +217,7 @@ def _sights(diagnosis: Diagnosis) -> Table:
     rows: list[tuple[str | float | None, ...]] = []
     for sight in sorted(diagnosis.sights, key=lambda sight: -sight.sigmas):
         unit = "" if sight.unit == "-" else f" {sight.unit}"
-        rivals = ", ".join(f"{name} {apart:.1f}" for name, _, apart in sight.rivals[:3])
+        rivals = ", ".join(f"{name} {distance:.1f}" for name, _, distance in sight.rivals[:3])
         numbers = (f"{sight.typical:g}{unit}", sight.sigmas, sight.smallest)
         rows.append((sight.name, sight.visible, *numbers, rivals, sight.cure))
     head = ("effect", "seen", "typical", "sigma at typical", "found from", "nearest, sigma apart", "would be shown by")

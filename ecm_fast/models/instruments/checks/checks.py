@@ -15,10 +15,10 @@ from ....mechanism.mechanism import Mechanism
 from .calibration import MEDIAN_TO_SIGMA, calibrate
 from .finding import Finding, places
 from .force_cells import force_cell_findings
+from .label_sentences import label_findings
 from .matched_rows import load_table, smooth
 from .resolution import resolution_findings
 from .robots import robot_findings
-from .units_and_axes import label_findings
 
 __all__ = ["Checks", "check", "faults"]
 

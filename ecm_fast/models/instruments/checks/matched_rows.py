@@ -67,19 +67,19 @@ def smooth(loads: Array, values: Array, at: Array) -> Array | None:
     for degree in range(_HIGHEST_DEGREE, 0, -1):
         powers = [p for d in range(degree + 1) for p in combinations_with_replacement(range(varied.size), d)]
         if _ROWS_EACH * len(powers) <= len(loads):
-            basis, there = (np.column_stack([u[:, list(p)].prod(axis=1) for p in powers]) for u in unit)
-            fitted: Array = there @ np.linalg.lstsq(basis, values, rcond=1e-10)[0]
+            basis, basis_at = (np.column_stack([u[:, list(p)].prod(axis=1) for p in powers]) for u in unit)
+            fitted: Array = basis_at @ np.linalg.lstsq(basis, values, rcond=1e-10)[0]
             return fitted
     return None
 
 
-def match(one: Array, other: Array, apart: Places, near: float) -> Places:
+def match(one: Array, other: Array, label: Places, near: float) -> Places:
     """Return pairs (k, 2) of a row of `one` and another row of `other` whose loads agree, no row twice.
 
     Parameters
     ----------
     one, other : (n, 7) loads of the same rows, or those of their mirror images
-    apart : (n,) labels; a pair has two different ones
+    label : (n,) labels; a pair has two different ones
     near : share of the largest load that counts as agreement
     """
     from scipy.spatial import KDTree
@@ -91,7 +91,7 @@ def match(one: Array, other: Array, apart: Places, near: float) -> Places:
     distance, place = KDTree(other / reach).query(one / reach, nearest, p=np.inf, distance_upper_bound=1.0 + 1e-9)
     i, column = np.nonzero(np.isfinite(distance))
     j = place[i, column]
-    good = apart[i] != apart[j]
+    good = label[i] != label[j]
     i, j, column = i[good], j[good], column[good]
     taken, pairs = np.zeros(len(one), dtype=bool), []
     for entry in np.argsort(distance[i, column], kind="stable"):
