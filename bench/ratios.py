@@ -110,7 +110,8 @@ def _calls() -> dict[str, Way]:
     ways["step"] = along(model.stepper(tolerance=1e-6), PATH)
     ways["step with Jacobian"] = along(model.stepper(tolerance=1e-6, derivatives=True), PATH)
     ways["polynomial"] = along(POLY.stepper(), POSES)
-    for n in (10, 160):
+    ways["solve"] = lambda: MODELS["order 5"].solve((80.0, 40.0))
+    for n in (10, 20, 160):
         band, right = np.random.default_rng(0).uniform(0.0, 1.0, (11, 3 * n)), np.ones(3 * n)
         band[5] += 20.0
         room = np.zeros((16, 3 * n), order="F")
@@ -170,6 +171,11 @@ def _call_rows(best: dict[str, Timing]) -> list[Row]:
         at_most(f"{what} / one `solve_banded` of 30 unknowns", best["step"] / best["solve_banded 10"], 1 / 30, within),
         at_most(f"{what} / one call of the cubic polynomial", best["step"] / best["polynomial"], 2.2),
         at_most("control step with Jacobian / without", best["step with Jacobian"] / best["step"], 1.15),
+        at_most(
+            "cold `solve`, the default / one `solve_banded` of 60 unknowns",
+            best["solve"] / best["solve_banded 20"],
+            0.2,
+        ),
     ]
     for n, limit in ((10, 1 / 14), (160, 1 / 6)):
         for way, how in ((f"chain {n}", "one a call"), (f"chain {n} in batch", "64 a call")):

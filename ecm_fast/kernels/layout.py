@@ -72,7 +72,9 @@ N_TIP = T_CHORD + N_CHORD * (N_TENDONS - 2)
 # 1/GA, the couple of clamp and curvature as built [N m], share of its angle in the tip's), then the stiffness of the
 # angles [N m], lower triangle
 N_STRETCH, N_SLOPE, N_POINT = 13, 9, 8
-C_THETA0, C_TIP, C_INV_LENGTH2, C_INV_FORCE2, C_SHIFT, C_ROUGH, C_STRETCH = range(N_PAIR_TIP, N_PAIR_TIP + 7)
+C_THETA0, C_TIP, C_INV_LENGTH2, C_INV_FORCE2, C_SHIFT, C_ROUGH, C_TOP_HEAVY, C_STRETCH = range(
+    N_PAIR_TIP, N_PAIR_TIP + 8
+)
 C_SLOPE = C_STRETCH + N_STRETCH
 C_STATION = C_SLOPE + N_SLOPE
 

@@ -16,7 +16,7 @@ from .body import GUIDED, SAME, body_length, body_section, count_pieces, guide, 
 from .trig import sincos
 from .user_laws import find_law
 
-__all__ = ["prepare"]
+__all__ = ["is_top_heavy", "prepare"]
 
 # largest last Newton step, in rad and shares of the length, and largest error of the contact force it may leave, as a
 # share of EI/length^2; Newton squares both once more
@@ -305,3 +305,29 @@ def prepare(par, mesh, nodes, stations, tip, q_rest):
         q_rest[3 * i] = s * cos_clamp
         q_rest[3 * i + 1] = -s * sin_clamp
         q_rest[3 * i + 2] = par[P.effects_clamp_tilt]
+
+
+@kernel
+def is_top_heavy(stations, tip, theta0):
+    """Whether the straight beam may not carry what it weighs alone.
+
+    From straight, Newton's method may go to the full load at once only where no branch can end in between. The
+    stiffness of the straight beam is linear in the loads, so it stays stable from its own weight to the full load if
+    it is stable at both. The first is looked at here, the second by Newton's first step.
+
+    With the turns theta from straight, theta(s)^2 <= s int theta'^2; so int P theta^2 ds, what a compression P takes,
+    is less than int EI theta'^2 ds, what bending gives, where int P s ds < EI. Of what is really carried that claims
+    81 % for a weight on top and 77 % for the beam's own. Shear adds P/GA to P.
+    """
+    length, s, c = tip[at.T_LENGTH], np.sin(theta0), np.cos(theta0)
+    on_top = max(tip[at.T_WEIGHT_Z] * s - tip[at.T_WEIGHT_X] * c, 0.0)
+    lever_x, lever_z = tip[at.T_COM_X] * c + tip[at.T_COM_Z] * s, tip[at.T_COM_Z] * c - tip[at.T_COM_X] * s
+    couple = max(-(lever_x * tip[at.T_WEIGHT_X] + lever_z * tip[at.T_WEIGHT_Z]), 0.0)
+    total, moment, EI, GA = on_top, 0.5 * on_top * length * length, np.inf, np.inf
+    for i in range(stations.shape[0]):
+        row = stations[i]
+        own = row[at.S_WEIGHT] * max(row[at.S_LOAD_Z] * s - row[at.S_LOAD_X] * c, 0.0)
+        total += own
+        moment += 0.5 * own * (row[at.S_PLACE] * length) ** 2
+        EI, GA = min(EI, row[at.S_EI]), min(GA, row[at.S_GA])
+    return moment * (1.0 + total / GA) + couple * length > EI

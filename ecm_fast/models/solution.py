@@ -79,7 +79,7 @@ class NodalSolution:
         return float(errors(self.mesh, self.par[None], self.loads[None], found)[0])
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class CondensedSolution:
     """One case solved on the condensed path, see `equilibrium.Solution`.
 

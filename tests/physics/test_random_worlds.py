@@ -1,11 +1,17 @@
 """Random mechanisms and loads: every way of solving against meshes of twice as many elements."""
 
+import numpy as np
 import pytest
 
 from bench.robustness.random_worlds import compare, world
-from ecm_fast import FiniteElementModel, Status
+from ecm_fast import FiniteElementModel, Mechanism, Status
+from ecm_fast.kernels.prepare import is_top_heavy, prepare
+from ecm_fast.mechanism.vector import pack
+from ecm_fast.mesh.discretization import Discretization
+from ecm_fast.models.refinement import work_arrays
 
 COUNT = 60
+MESH = Discretization.from_elements(1, 5)
 
 
 @pytest.fixture(scope="module")
@@ -68,3 +74,36 @@ def test_a_fold_of_the_neck_is_no_fault_of_its_section(number):
     for elements in (2, 8, 16):
         eq = FiniteElementModel(each.mechanism, elements, 6).solve(each.lam, each.wrench)
         assert eq.status is Status.NOT_CONVERGED
+
+
+@pytest.mark.parametrize("number", [3787, 5563])
+def test_no_equilibrium_beyond_a_snap_is_called_the_necks(number):
+    """Growing loads: a neck that fell over under its own weight is pulled up, and jumps to the other side on the way.
+
+    Where the branch ends at part of the load, nothing at the full load lies on it, on any mesh; straight at the full
+    load the neck is stable, so Newton's method walks from there into an equilibrium beyond the jump.
+    """
+    each = world(79, number)
+    for elements, order in [(1, 5), (1, 6), (2, 5), (8, 6)]:
+        model = FiniteElementModel(each.mechanism, elements, order)
+        for share in (0.5, 0.6, 0.8, 1.0):
+            assert model.solve(share * each.lam, share * each.wrench).status is Status.NOT_CONVERGED
+
+
+def test_a_section_that_softens_is_not_held_by_its_mesh():
+    """Legendre's condition: where M falls with kappa no equilibrium is stable; one long element hid that."""
+    each = world(81, 780)
+    assert FiniteElementModel(each.mechanism).solve(each.lam, each.wrench).status is Status.SECTION_UNSTABLE
+
+
+@pytest.mark.parametrize(("weights", "carried"), [("head", np.pi**2 / 4.0), ("beam", 7.837)])
+def test_a_top_heavy_neck_starts_at_its_own_weight(weights, carried):
+    """Closed form: a column carries pi^2/4 EI/L^2 on top (Euler), or 7.837 EI/L^2 of its own weight (Greenhill)."""
+    neck = Mechanism().replace(**{"head.h": 0.0, "beam.EA": 1e9, "beam.GA": 1e9, "gravity.g": 10.0})
+    unit, length = neck.beam.EI / neck.beam.length**2 / 10.0, neck.beam.length
+    for share, heavy in [(0.0, False), (0.75, False), (1.0, True)]:
+        mass = share * carried * unit
+        head, beam = (mass, 0.0) if weights == "head" else (0.0, mass / length)
+        system = work_arrays(MESH)[:3]
+        prepare(pack(neck.replace(**{"head.mass": head, "beam.mass_per_length": beam})), MESH.mesh, MESH.nodes, *system)
+        assert is_top_heavy(system[0], system[1], system[2][2]) == heavy

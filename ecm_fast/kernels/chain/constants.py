@@ -31,6 +31,7 @@ from ..layout import (
     T_CHORDS,
     T_FURTHER,
 )
+from ..prepare import is_top_heavy
 
 __all__ = ["condense_chain", "constants_size"]
 
@@ -51,7 +52,8 @@ def condense_chain(stations, tip, q_rest, basis, turn, stretch, con):
     stretch : see `stretch.stretch_polynomials`
     con : (constants_size,)   overwritten
 
-    Returns whether the formulation applies, see `condensed.condense`.
+    Returns whether the formulation applies, see `condensed.condense`, and the beam carries its own weight: a chain
+    always starts straight.
     """
     p = basis.shape[1]
     n = stations.shape[0] // p
@@ -93,4 +95,4 @@ def condense_chain(stations, tip, q_rest, basis, turn, stretch, con):
         points[B_UNIT + j] = compliance
         points[B_RATIO + j] = next_compliance / compliance if e < n - 1 else 1.0
         next_compliance = compliance
-    return applies
+    return applies and not is_top_heavy(stations, tip, q_rest[2])

@@ -34,6 +34,7 @@ from ..layout import (
     C_STRETCH,
     C_THETA0,
     C_TIP,
+    C_TOP_HEAVY,
     CONVERGED,
     LANES,
     N_KEPT,
@@ -76,6 +77,7 @@ from ..layout import (
     T_WEIGHT_X,
     T_WEIGHT_Z,
 )
+from ..prepare import is_top_heavy
 from ..trig import sincos
 from .axial_law import HALF, SHIFT, stretch_at
 
@@ -120,7 +122,7 @@ def put_head(hooke, tip, theta0, stretch, con):
     copy(tip[:N_PAIR_TIP], con)
     con[C_THETA0], con[C_TIP], con[C_SHIFT] = theta0, theta0, SHIFT
     con[C_INV_LENGTH2], con[C_INV_FORCE2] = 1.0 / (length * length), (FORCE_SHARE / tip[T_BENDING_FORCE]) ** 2
-    con[C_ROUGH] = 0.0
+    con[C_ROUGH], con[C_TOP_HEAVY] = 0.0, 0.0
     copy(stretch[1 if hooke > 0.5 else 0], con[C_STRETCH:])
 
 
@@ -189,6 +191,7 @@ def condense(stations, tip, q_rest, turn, slopes, stretch, con):
         shares += point[7]
     con[C_TIP] = (1.0 - shares) * theta0
     con[C_ROUGH] = _roughness(stations)
+    con[C_TOP_HEAVY] = 1.0 if is_top_heavy(stations, tip, theta0) else 0.0
     return applies
 
 
@@ -201,7 +204,10 @@ def put_load(state, sr, j, lam, wrench):
 
 @step_kernel
 def reset_straight(con, cr, cl, state, sr, j, order):
-    """Put the beam of lane `j` back into its straight state, under the loads that are there."""
+    """Put the beam of lane `j` back into its straight state, under the loads that are there.
+
+    Where the beam does not carry its own weight, nothing that starts there is vouched for, see `is_top_heavy`.
+    """
     length, theta = con[cr * T_LENGTH + cl], con[cr * C_THETA0 + cl]
     s, c = sincos(theta)
     state[sr * R_X + j], state[sr * R_Z + j], state[sr * R_THETA + j] = length * c, -length * s, theta
@@ -212,6 +218,7 @@ def reset_straight(con, cr, cl, state, sr, j, order):
     for g in range(order):
         state[sr * (R_POINT + N_SECTION * g + P_THETA) + j] = theta
     clear_record(state, sr, j)
+    state[sr * R_EXTREME + j] = 2.0 * con[cr * C_TOP_HEAVY + cl]
 
 
 @step_kernel

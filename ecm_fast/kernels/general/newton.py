@@ -39,9 +39,10 @@ from ..layout import (
     TENDON_ZERO_LENGTH,
     UNSTABLE,
 )
+from ..prepare import is_top_heavy
 from .elements.dispatch import apply_step, element_residual, sizes
 from .front import band_of, newton_step, solve_factored, work_size
-from .section_stability import section_fails
+from .section_stability import LOST, section_fails, softens
 from .tip import tendon_forces, tip_wrench
 
 __all__ = ["ROUNDING_FLOOR", "advance", "solve", "solve_work_size", "step_size"]
@@ -89,7 +90,9 @@ def solve(tables, stations, tip, q_rest, loads, q, work, out):
         limit = 0.5 * size if size <= FULL_LOAD_LIMIT else 0.0
         if limit > 0.0:
             apply_step(tables, q, step, rest[rest.shape[0] - n :])
-    status = _correct(tables, stations, tip, loads, q, rest, step, out, limit, 0.5, np.inf)
+    status = NOT_CONVERGED
+    if not is_top_heavy(stations, tip, q_rest[2]):
+        status = _correct(tables, stations, tip, loads, q, rest, step, out, limit, 0.5, np.inf)
     out[O_FACTOR], out[O_PRELOAD] = 1.0, 1.0
     if status != CONVERGED:
         status = _follow(tables, stations, tip, q_rest, loads, q, work, out)
@@ -165,7 +168,7 @@ def _correct(tables, stations, tip, loads, q, work, step, out, limit, shrink, mo
             return UNSTABLE
         apply_step(tables, q, step, work[work.shape[0] - q.shape[0] :])
         if at_floor:
-            return UNSTABLE if not_positive > 0 else CONVERGED
+            return UNSTABLE if not_positive > 0 or softens(tables, stations, loads, q) else CONVERGED
         limit = shrink * size
         before = size
     return NOT_CONVERGED
@@ -251,7 +254,7 @@ def _follow(tables, stations, tip, q_rest, loads, q, work, out):
     now = work[2 * n : 2 * n + N_LOADS]
     for i in range(N_LOADS):
         now[i] = base[i] + reached * (goal[i] - base[i])
-    if section_fails(tables, stations, now, q):
+    if section_fails(tables, stations, now, q, LOST, True):
         return SECTION_UNSTABLE
     if reached == 0.0 or base[L_PRESTRAIN] == 0.0:
         return NOT_CONVERGED
