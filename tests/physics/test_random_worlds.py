@@ -6,8 +6,8 @@ import pytest
 from bench.robustness.random_worlds import compare, world
 from ecm_fast import FiniteElementModel, Mechanism, Status
 from ecm_fast.kernels.prepare import is_top_heavy, prepare
+from ecm_fast.mechanism.mesh.discretization import Discretization
 from ecm_fast.mechanism.vector import pack
-from ecm_fast.mesh.discretization import Discretization
 from ecm_fast.models.refinement import work_arrays
 
 COUNT = 60
@@ -107,3 +107,13 @@ def test_a_top_heavy_neck_starts_at_its_own_weight(weights, carried):
         system = work_arrays(MESH)[:3]
         prepare(pack(neck.replace(**{"head.mass": head, "beam.mass_per_length": beam})), MESH.mesh, MESH.nodes, *system)
         assert is_top_heavy(system[0], system[1], system[2][2]) == heavy
+
+
+def test_an_estimate_near_a_critical_load():
+    """Truth: 16 elements. A soft column whose own weight nearly tips it: one step on finer elements tells a seventh."""
+    each = world(90, 28129)
+    loads = tuple(each.lam.tolist()), tuple(each.wrench.tolist())
+    length = each.mechanism.beam.length
+    fine, coarse = (FiniteElementModel(each.mechanism, n, 6).solve(*loads) for n in (16, 1))
+    off = np.abs((coarse.pose - fine.pose) / [length, length, 1.0]).max()
+    assert off < coarse.error < 30.0 * off

@@ -79,7 +79,9 @@ def force_cell_findings(mechanism: Mechanism, data: Measurements) -> list[Findin
             believed = clean & ~tied if (clean & ~tied).sum() >= _FEWEST_OTHERS else ~tied
             if believed.sum() >= _FEWEST_OTHERS:
                 found += _some_alike(mechanism, data, rows, cell, tied, believed)
-            elif tied.all():
+            elif tied.all() and (
+                cell < len(PAIR) or 0 not in used
+            ):  # a couple stands for much that bends a pulled neck
                 found += _all_alike(mechanism, data, rows, cell)
     return found
 
@@ -153,8 +155,7 @@ def _all_alike(mechanism: Mechanism, data: Measurements, rows: Places, cell: int
     before, after = scales(read.residual), scales(blind.residual)
     loads = _loads(mechanism, data, rows)
     asked = blind.force / newtons(mechanism, cell)
-    others = [i for i in range(len(CELLS)) if i != cell and (i in _KINDS[cell] or cell >= len(PAIR))]
-    other = float(np.abs(loads[:, others]).max())  # all columns of a kind are zero where it is off
+    other = float(np.abs(loads[:, [i for i in _KINDS[cell] if i != cell]]).max())  # 0 where the kind is off
     off = np.minimum(np.abs(asked - loads[:, cell]), np.abs(asked - np.median(asked)))  # a constant is an origin
     bad = off > _MUCH * other
     unexplained = data.measured[rows].any(axis=0) & (before > _FAR * _USUAL_NOISE)
