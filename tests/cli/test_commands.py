@@ -494,6 +494,7 @@ def test_an_interrupt_and_a_solve_that_does_not_converge(run: Run, monkeypatch: 
 # As a process
 
 
+@pytest.mark.slow
 def test_a_process_ends_with_its_code_and_json_on_stdout(tmp_path: Path) -> None:
     """Contract: exit codes of real processes."""
     for words, code in {

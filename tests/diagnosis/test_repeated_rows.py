@@ -42,10 +42,8 @@ COPIES = {
 }
 
 
-MANY = [pytest.param(COPIES[name], marks=pytest.mark.slow, id=name) for name in ("twice", "five times")]
-
-
-@pytest.mark.parametrize("order", [*MANY, pytest.param(COPIES["a block three times"], id="a block three times")])
+@pytest.mark.slow
+@pytest.mark.parametrize("order", COPIES.values(), ids=COPIES)
 def test_copied_rows_change_no_answer(bent, order) -> None:
     """Rows that occur twice, five times, or a block three times, ended in ``outside_catalogue``."""
     plain, copied = diagnose(NECK, bent), diagnose(NECK, bent.select(order(bent.n)))

@@ -115,6 +115,7 @@ def test_what_leaves_the_fast_path(change, how):
 # The tolerance
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("preset", "load"), SETS)
 def test_the_default_tolerance_is_kept(preset, load):
     """The general path, on 200 of 20000 cases, and the fast path at 1e-13, which is the general path's to 1e-12."""

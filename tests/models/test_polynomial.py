@@ -487,6 +487,7 @@ def test_trained_on_dead_wrenches_it_knows_what_tendons_do(table):
         assert (np.abs(errors).max(axis=0) < bound).all()
 
 
+@pytest.mark.slow
 def test_stiffness_is_the_inverse_of_the_models_compliance(necks):
     """Inverse function theorem: stiffness times the model's compliance is the identity."""
     known = training_poses(necks["paper"], 1000, seed=0)

@@ -226,6 +226,7 @@ def test_verdict_far_outside_the_range(preset, pulleys):
     assert {Status.CONVERGED, Status.UNSTABLE} <= seen
 
 
+@pytest.mark.slow
 @every_neck
 def test_one_call_agrees_with_fine_load_steps(preset, pulleys):
     """Reference: plain Newton led from the unloaded state in 15 small steps ends at the same equilibrium."""

@@ -57,6 +57,7 @@ def test_a_section_law_is_its_twin_of_the_catalogue(add):
     assert np.abs(by[:, :, 0] - by[:, :, 1]).max() < 1e-12 * np.abs(by).max()
 
 
+@pytest.mark.slow
 def test_a_head_law_is_its_twin_of_the_catalogue(add):
     """The catalogue: a rotational spring, and a stop with a further parameter, by solver and control step."""
     add("own_spring", enters="head", typical=0.2)(spring)

@@ -1,6 +1,7 @@
 """Docstrings and names: noun phrases that a reader can search for."""
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -10,9 +11,15 @@ MODULES = sorted(path for folder in ("ecm_fast", "tests", "bench", "tools") for 
 QUESTIONS = {"How", "What", "When", "Where", "Whether", "Which", "Who", "Why"}
 
 
+@cache
+def tree_of(path: Path) -> ast.Module:
+    """Return the syntax tree of a file."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def first_word(path: Path) -> str:
     """Return the first word of a module's docstring."""
-    doc = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+    doc = ast.get_docstring(tree_of(path))
     assert doc, f"{path} has no docstring"
     return doc.split()[0].strip(":,'\"")
 
@@ -30,15 +37,16 @@ def test_docstrings_name_what_they_describe():
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
     for path in MODULES:
         if path.is_relative_to(ROOT / "ecm_fast"):
-            nodes = [node for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, documented)]
+            nodes = [node for node in ast.walk(tree_of(path)) if isinstance(node, documented)]
             first = {(ast.get_docstring(node) or "-").split()[0] for node in nodes}
             assert not {"What", "How", "Where"} & first, path
 
 
 def tests_of(path: Path) -> list[ast.FunctionDef]:
     """Return the test functions of a file."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    return [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")]
+    return [
+        node for node in ast.walk(tree_of(path)) if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
+    ]
 
 
 TESTS = [(path, node) for path in MODULES if path.name.startswith("test_") for node in tests_of(path)]

@@ -55,45 +55,6 @@ def test_a_name_that_is_not_public() -> None:
         _ = ecm_fast.FiniteElement
 
 
-def imported(path: Path) -> set[str]:
-    """Return the full names a file imports, wherever in the file, those of the names it takes included."""
-    own = path.relative_to(PACKAGE.parent).with_suffix("").parts
-    found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            # one dot is the folder of the file, also for an __init__.py
-            base = ".".join(own[: -node.level]) if node.level else ""
-            module = ".".join(part for part in (base, node.module) if part)
-            found |= {module, *(f"{module}.{alias.name}" for alias in node.names)}
-    return found
-
-
-def test_the_walk_sees_relative_imports() -> None:
-    """Check of the check: three imports known by hand."""
-    assert "ecm_fast.kernels.general.newton.solve" in imported(PACKAGE / "kernels" / "general" / "batch.py")
-    assert "ecm_fast.models.reference.section.section_law" in imported(PACKAGE / "models" / "reference" / "__init__.py")
-    assert "ecm_fast.errors.InputError" in imported(PACKAGE / "cli" / "__init__.py")
-
-
-def test_only_fig7_imports_the_oracle() -> None:
-    """The source's syntax tree."""
-    sources = [path for path in PACKAGE.rglob("*.py") if "reference" not in path.relative_to(PACKAGE).parts]
-    assert len(sources) > 20
-    guilty = {
-        path.name for path in sources if any(name.startswith("ecm_fast.models.reference") for name in imported(path))
-    }
-    assert guilty == {"fig7_times.py"}
-
-
-def test_the_oracle_imports_no_kernel() -> None:
-    """The source's syntax tree."""
-    sources = list((PACKAGE / "models" / "reference").glob("*.py"))
-    guilty = {str(path) for path in sources if any(name.startswith("ecm_fast.kernels") for name in imported(path))}
-    assert guilty == set()
-
-
 def test_no_module_borrows_underscored_names() -> None:
     """Truth: a project rule, read off the syntax trees; a name with an underscore is its module's own."""
     borrowed = [
