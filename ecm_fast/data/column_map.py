@@ -12,7 +12,6 @@ from ..errors import InputError, did_you_mean, shown, why
 from ..files import read_whole, write_whole
 from .columns import column_of, foreign, is_known, is_note, unit_in
 from .grid import Layout
-from .units import kind_of
 
 __all__ = ["NOTE", "REST", "ColumnMap", "Told", "told_as"]
 
@@ -22,7 +21,6 @@ REST = "*"
 """Stands for every column of a file that the map does not name."""
 _TOLD = re.compile(r"(?:(?P<minus>-)|(?P<factor>[+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*\*)?\s*(?P<name>.+)")
 _KEYS = ("columns", "decimal", "header", "sheet")
-_OF_LOADS_AND_POSES = ("length", "angle", "force", "couple", "mass")
 _KINDS: Mapping[str, tuple[type, str]] = {"columns": (dict, "a table"), "header": (int, "a line number")}
 
 
@@ -131,7 +129,7 @@ class ColumnMap:
         Raises
         ------
         InputError : the map names a column that the file has not, or with another unit than its name there, or leaves
-            out one that could be a load or a pose.
+            out one that has a unit of ours.
         """
         named = [name or str(i + 1) for i, name in enumerate(names)]
         absent = [name for name, told in self.columns.items() if name not in named and name != REST and told != NOTE]
@@ -143,7 +141,7 @@ class ColumnMap:
             meant = self.columns.get(name, name if is_known(name) or is_note(name) else "")
             if not meant:
                 hint = foreign(name)
-                if REST not in self.columns and (hint or kind_of(unit_in(name)) in _OF_LOADS_AND_POSES):
+                if REST not in self.columns and (hint or unit_in(name)):
                     raise InputError(f"column {shown(name)} is not in the map{hint}; add it, or \"*\" = \"note\" to "
                                      "have all others ignored")  # fmt: skip
                 meant = NOTE

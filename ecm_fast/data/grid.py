@@ -130,7 +130,8 @@ def _numbers(lines: Sequence[str], mark: str) -> tuple[int, int]:
 def _split(lines: Sequence[str], start: int, mark: str) -> Iterator[Record]:
     """Yield the records; one without any content is a blank line, as spreadsheets leave them."""
     if mark == " ":
-        yield from ((start + i + 1, line.split()) for i, line in enumerate(lines) if line.strip())
+        apart = ([cell for cell in line.strip().split(" ") if cell] for line in lines)
+        yield from ((start + i + 1, cells) for i, cells in enumerate(apart) if cells)
         return
     reader = csv.reader(lines, delimiter=mark, strict=True, skipinitialspace=True)
     line = start + 1

@@ -28,6 +28,8 @@ _CORRELATED = 0.8
 """Least correlation by which numbers show a sign."""
 _ROWS = 4  # least number of rows by which they do
 _REACH = (5e-3, 5.0)  # [m] along the neck
+_SWING = 0.5
+"""Change of x over its largest: a head that turns by 90 degrees comes to a third of the neck less."""
 _FEW_TURNS = 2.0 * math.pi
 _BEND = (0.3, 6.0)
 """Angle of the head over z / x, a beam's tip: 1.5 for a force at the tip, 2 for a couple, with room for others."""
@@ -176,6 +178,8 @@ def _paired(guesses: list[Guess]) -> list[Guess]:
             found.append(_doubted(guess, f"which of {count[quantity]} columns is {quantity}"))
         elif other and other not in count and guess.told != guess.name:
             found.append(_doubted(guess, f"why there is no {other}"))
+        elif quantity == "tilt" and "theta" not in count:
+            found.append(_doubted(guess, "whether gravity was turned, or it is theta of the head"))
         elif spatial and understood(guess.name).quantity in ("x", "y", "z"):
             found.append(_doubted(guess, "which two of the three axes are the plane of the neck"))
         else:
@@ -218,6 +222,8 @@ def _sized(guess: Guess, values: dict[str, Floats]) -> Guess:
         return _doubted(replace(guess, told=f"-{guess.told}"), "its sign: all are negative")
     if quantity == "x" and not _REACH[0] <= float(np.nanmedian(np.abs(own))) <= _REACH[1]:
         return _doubted(guess, f"its unit, or where x begins: {1e3 * least:.4g} to {1e3 * most:.4g} mm")
+    if quantity == "x" and (least < 0.0 or most - least > _SWING * most):
+        return _doubted(guess, "whether x is along the neck: it changes much")
     if quantity == "x" and "z" in values and _larger(values["z"], own):
         return _doubted(guess, "whether x is along the neck: z is larger")
     if quantity == "theta" and max(-least, most) > _FEW_TURNS:
