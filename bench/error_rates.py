@@ -60,7 +60,7 @@ GROUPS = ("clean", "effects", "pairs", "outside")
 SETS_OF_A_PAIR_CELL = 10
 """Pairs are drawn at random from a cell of their own, this many times as many as of one effect."""
 Told = dict[str, tuple[float, float]]
-"""What a diagnosis is told beside the file: values and standard deviations of material tests by name."""
+"""Material tests given to a diagnosis beside the file: values and standard deviations by name."""
 Diagnose = Callable[[Path, Told], dict[str, Any]]
 Tell = Callable[[Path, Truth, dict[str, Any], Told], dict[str, Any]]
 BUILD = ("geometry", "frame", "undeclared")
@@ -90,17 +90,17 @@ class Sealed(NamedTuple):
 
     @property
     def answer(self) -> Path:
-        """Where its answer is."""
+        """The file of its answer."""
         return Path(f"{self.stem}.{self.materials}.answer.json")
 
     @property
     def priors(self) -> Told:
-        """What its diagnosis is told: the test bed draws the stiffnesses with the same scatter."""
+        """The material tests that its diagnosis is given: the test bed draws the stiffnesses with the same scatter."""
         return material_tests() if self.materials == "known" else {}
 
     @property
     def stem(self) -> str:
-        """Where its files are, without their endings."""
+        """The path of its files, without their endings."""
         cell = self.cell
         return str(self.folder / cell.group / cell.design / f"{cell.name}-{self.number:04d}")
 

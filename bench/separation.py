@@ -19,7 +19,7 @@ Priors = Mapping[str, tuple[float, float]]
 
 _AGAIN = 6
 _TIMES = (1.0 / 16.0, 0.25, 4.0)
-"""How far from its usual value a further parameter may begin."""
+"""Multiples of its usual value at which a further parameter may begin."""
 _ANY = 1e3
 """Typical sizes up to which a rival may be as large as it likes."""
 

@@ -97,8 +97,8 @@ def arrays(worlds: list[World]) -> tuple[Array, Array, Array]:
 
 
 @dataclass
-class Tally:
-    """What the ways of solving said of many worlds.
+class Comparison:
+    """Disagreements of the ways of solving many worlds, counted.
 
     Attributes
     ----------
@@ -128,9 +128,9 @@ class Tally:
         return float(np.mean(off <= estimate)), float(np.mean(estimate <= 30.0 * off))
 
 
-def compare(seed: int, numbers: Iterable[int], accuracy: float = 1e-6) -> Tally:
+def compare(seed: int, numbers: Iterable[int], accuracy: float = 1e-6) -> Comparison:
     """Solve worlds in every way, and compare with twice as many elements."""
-    tally, chosen = Tally(), list(numbers)
+    tally, chosen = Comparison(), list(numbers)
     worlds = [world(seed, i) for i in chosen]
     par, lam, wrench = arrays(worlds)
     many = FiniteElementModel(accuracy=accuracy).solve_batch(lam, wrench, parameters=par)

@@ -141,7 +141,7 @@ class Measurements:
 
     @property
     def measured(self) -> NDArray[np.bool_]:
-        """Which entries of `pose` were measured, (n, 3)."""
+        """Whether each entry of `pose` was measured, (n, 3)."""
         return np.isfinite(self.pose)
 
     def where(self, i: int) -> str:

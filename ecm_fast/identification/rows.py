@@ -73,7 +73,7 @@ class State:
 
     @property
     def stable(self) -> Mask:
-        """Which rows have a stable equilibrium, (n,)."""
+        """Whether each row has a stable equilibrium, (n,)."""
         return np.equal(self.status, Status.CONVERGED)
 
     def among(self, n: int, rows: NDArray[np.int64]) -> "State":

@@ -48,7 +48,7 @@ _LENGTH, _PLACE, _STIFFNESS = (0.0, 1e6), (-1e3, 1e3), (0.0, 1e15)  # refuse ove
 _SIZES = {"circle": ("radius",), "ring": ("radius", "inner_radius"), "rectangle": ("width", "height"),
           "ellipse": ("width", "height")}  # fmt: skip
 STIFFNESSES = ("EA", "GA", "EI", "mass_per_length")
-"""What a segment is given by in place of a shape of a material."""
+"""Numbers of a segment in place of a shape of a material."""
 PAIRS = ("radius", "inner_radius", "width", "height", *STIFFNESSES)
 """Numbers that a segment has at its start and at its end."""
 

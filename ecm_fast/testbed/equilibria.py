@@ -68,7 +68,7 @@ class Equilibria:
 
     @property
     def stable(self) -> NDArray[np.bool_]:
-        """Which rows have a pose, (n,)."""
+        """Whether each row has a pose, (n,)."""
         return np.equal(self.outcome, Outcome.STABLE)
 
     def raise_if_failed(self) -> "Equilibria":

@@ -148,7 +148,7 @@ def _histories(begins: NDArray[np.bool_]) -> Iterator[NDArray[np.int64]]:
 
 
 def _last_pulled(loads: Measurements, begins: NDArray[np.bool_], straight: Array, lengths: Array) -> Array:
-    """Which way each tendon last moved, (2, n); rows with one pose_id in succession count as one."""
+    """Return the direction of each tendon's last move, (2, n); rows with one pose_id in succession count as one."""
     pulled = np.zeros_like(lengths)
     before, now, way = straight, straight, np.zeros(2)
     for i in range(loads.n):

@@ -35,7 +35,7 @@ NECK = "# my own remark\npreset = 'slender'\n[beam]\nEI = 2.9\n"
 def test_an_output_never_replaces_an_input(
     refused: Refused, words: str, own: str, content: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What must hold is that the file of the user is there as it was, byte for byte, whatever its name or its links."""
+    """Contract: the file of the user stays as it was, byte for byte, whatever its name or its links."""
     Path("out").mkdir()
     for name, text in {"run.csv": RUN, "more.csv": RUN, own: content}.items():
         Path(name).write_text(text)

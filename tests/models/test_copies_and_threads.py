@@ -87,7 +87,7 @@ def test_reset_forgets_every_call(name: str) -> None:
 
 @every_model
 def test_models_and_results_are_pickled(name: str) -> None:
-    """What they were made from: what comes back solves to the same bits, and takes part in everything."""
+    """Contract: what comes back solves to the same bits, and takes part in everything."""
     model = model_of(name)
     for way in WAYS.values():
         other = way(model)

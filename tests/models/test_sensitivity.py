@@ -15,7 +15,7 @@ from ecm_fast.models.sensitivity import _work
 
 ENDS = ("clamp_rotation", "clamp_axial", "clamp_lateral", "plate_joint")
 GIVING_WAY = [index(f"effects.{name}_compliance") for name in ENDS]
-"""What lets the head move against the tip section, or the first node against the clamp; test_effects has it."""
+"""Effects that let the head move against the tip section, or the first node against the clamp; test_effects has it."""
 NAMES = [entry.key for entry in PARAMETERS[: len(PLACES)] if entry.key != "beam.axial_law"]
 MESHES = [
     {"order": 5},

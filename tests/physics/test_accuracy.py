@@ -95,7 +95,7 @@ def test_other_families_report_their_error_too(family):
 
 
 def test_an_accuracy_out_of_reach_is_said(monkeypatch):
-    """Where no finer discretization is allowed, the result says by how much it may be off."""
+    """Contract: where no finer discretization is allowed, the result says by how much it may be off."""
     monkeypatch.setattr("ecm_fast.models.refinement.MOST_ELEMENTS", 1)
     eq = FiniteElementModel(BEAM).solve(wrench=(0.0, 1000.0, 0.0))
     assert not eq.accurate

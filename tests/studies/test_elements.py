@@ -55,7 +55,7 @@ def positions(study, order, gauss, family="lagrange"):
     ids=["linear", "linear, 2 points", "quadratic"],
 )
 def test_the_known_table(table, kind, known, factor):
-    """Which 60 pairs were drawn and what the head weighed is not known.
+    """The published table; it does not say which 60 pairs were drawn and what the head weighed.
 
     Three draws differ by 8 %, and a head of 1 kg leaves 1.25 times the error of none: hence a factor of 1.2, and 1.3
     where errors go with a higher power of what bends the neck.

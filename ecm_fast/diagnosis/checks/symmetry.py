@@ -89,7 +89,7 @@ class Parity:
 
     @property
     def verdict(self) -> tuple[str, ...]:
-        """Which tests saw something; the chance of a false one among them is `alpha`, shared by those answered."""
+        """Tests that saw something; the chance of a false one among them is `alpha`, shared by those answered."""
         answered = {name: test.p for name, test in self.tests.items() if test.p is not None}
         return tuple(name for name, p in answered.items() if p <= self.alpha / len(answered))
 

@@ -110,7 +110,7 @@ class Linearization:
 
     @cached_property
     def used(self) -> Mask:
-        """Which readings of the rows that count there are, (n, 3)."""
+        """Whether each reading of the rows that count is there, (n, 3)."""
         return np.asarray(self.problem.wanted[self.rows])
 
     @cached_property
@@ -176,7 +176,7 @@ class Linearization:
 
     @cached_property
     def one_sided(self) -> Mask:
-        """Which candidates can only grow, (k,)."""
+        """Whether each candidate can only grow, (k,)."""
         return np.array([candidate.one_sided for candidate in self.problem.candidates], dtype=bool)
 
     @cached_property

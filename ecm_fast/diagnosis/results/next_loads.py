@@ -93,7 +93,7 @@ class NextLoads:
 
     @property
     def why_none(self) -> str:
-        """Why no load is suggested, where none is."""
+        """The reason that no load is suggested, where none is."""
         if self.worst_before >= ENOUGH:
             return f"none is needed: {ENOUGH:g} sigma are enough"
         return "no load that fits into the time tells them apart"

@@ -57,7 +57,7 @@ class Story:
 
     @property
     def channels(self) -> list[int]:
-        """Which of x, z, theta were measured."""
+        """Places of the measured channels among x, z and theta."""
         return np.flatnonzero(np.isfinite(self.pose).any(axis=0)).tolist()
 
     @cached_property

@@ -31,7 +31,7 @@ _OWN = ("sweep.json", "statistics.json", "summary.json", "failures.csv", CHECKSU
 
 
 class Workers:
-    """Who solves: an executor or what makes one, how many units are under way, and whether it shares our folder."""
+    """The executor of a sweep or its maker, how many units are under way, and whether it shares our folder."""
 
     def __init__(self, executor: Executors, in_flight: int, shares_folder: bool) -> None:
         self.executor = executor
