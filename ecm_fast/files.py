@@ -211,4 +211,4 @@ def _is_a(value: Any, form: type | None) -> bool:
 
 
 def _misfit(name: str, value: Any) -> InputError:
-    return InputError(f"{name or 'the whole'} = {shown(value)}: not what such a file has there")
+    return InputError(f"{name or 'the whole'} = {shown(value)}: not of the form that such a file has there")

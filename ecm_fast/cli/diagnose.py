@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["DIAGNOSE", "PLAN", "VERDICT_CODES"]
 
 VERDICT_CODES = {"named": 10, "family": 11, "outside_catalogue": 12, "nothing_found": 13, "data_gap": 20}
+"""Exit codes of --exit-code; those below 10 mean that a command failed, as of every command."""
 _CODES = ", ".join(f"{code} {name}" for name, code in VERDICT_CODES.items())
 _SHOWN = 8  # lines that fit a screen
 

@@ -20,7 +20,7 @@ PER_SI = {"N": 1.0, "kN": 1e-3, "mN": 1e3, "kgf": 1 / 9.80665, "gf": 1e3 / 9.806
 
 
 class Doubts(tuple[str, ...]):
-    """What the import asks for, one entry a column."""
+    """Questions of the import, one entry a column."""
 
     __slots__ = ()
 

@@ -12,11 +12,9 @@ from ...kernels.general.newton import solve, solve_work_size
 from ...kernels.layout import CONVERGED, N_LOADS, N_OUT
 from ...mechanism.mesh.discretization import Discretization
 
-__all__ = ["Step", "StepCore", "System", "general_stepper", "without_forces"]
+__all__ = ["StepCore", "System", "general_stepper", "without_forces"]
 
 Array = NDArray[np.float64]
-Step = Callable[[float, float], tuple[float, float, float, int]]
-"""x, z, theta, status by the forces of the left and the right tendon."""
 System = tuple[Array, Array, Array]
 """stations, tip, q_rest of the finite element model, see `kernels.prepare`."""
 

@@ -32,7 +32,7 @@ _RATIO_BOUND, _DIVISION_BOUND = 0.005, 0.005  # shares: bounds that the claims s
 _SIGMAS = 3.0  # one in 370 by chance
 _X, _SHEAR = ("x",), ("z", "theta")
 """Channels that enter the misfit, (43) and below (45)."""
-_PAPER = {"elements": 20, "order": 1}
+_PAPER = {"elements": 20, "order": 1}  # the discretization of Section 3
 
 
 def hooke_ratio(shortening: float = _SHORTENING, n: int = 2001) -> float:

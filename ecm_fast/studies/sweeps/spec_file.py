@@ -22,7 +22,7 @@ __all__ = ["read_spec"]
 
 SAMPLES = ("grid", "random", "sobol")
 KEEPS = ("rows", "statistics")
-MOST = {"grid": 10**12, "random": 10**12, "sobol": 2**30}
+MOST = {"grid": 10**12, "random": 10**12, "sobol": 2**30}  # cases; Sobol's sequence repeats itself there
 _SETTINGS = ("sample", "cases", "seed", "mechanism", "elements", "order", "tolerance", "keep", "chunk", "path")
 _FORMS = "a number, [from, to], or a table with from and to (in a grid also steps), with values, or with mean and std"
 
