@@ -62,7 +62,12 @@ SUITES = {
     "kernels/user_laws": ["tests/models/test_user_effects.py"],
     "kernels/body": ["tests/models/test_reference.py", "tests/mechanism"],
     "kernels/camera": ["tests/models/test_predict.py", "tests/models/test_reference.py"],
-    "kernels": ["tests/models/test_reference.py", "tests/models/test_solver.py", "tests/kernels/test_condensed.py"],
+    "kernels": [
+        "tests/models/test_reference.py",
+        "tests/models/test_solver.py",
+        "tests/models/test_batch.py",
+        "tests/kernels/test_condensed.py",
+    ],
 }
 # operators that leave Python and numba something to run: others are noticed by the first call
 OPERATORS = ("Add_Sub", "Sub_Add", "Mul_Div", "Div_Mul", "Pow_Mul", "Lt_LtE", "Lt_Gt", "LtE_Lt", "LtE_GtE", "Gt_GtE",

@@ -16,8 +16,9 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
+EQUATIONS = ROOT / "ecm_fast" / "models" / "reference" / "equations.md"
 PAGES = [README, *sorted((ROOT / "ecm_fast").rglob("README.md"))]
-EVERY_PAGE = [*PAGES, ROOT / "bench" / "RESULTS.md", *sorted((ROOT / ".github").glob("*.md"))]
+EVERY_PAGE = [*PAGES, EQUATIONS, ROOT / "bench" / "RESULTS.md", *sorted((ROOT / ".github").glob("*.md"))]
 NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
 
 
@@ -95,6 +96,16 @@ def test_every_link_and_file_it_names_is_there(page):
         assert "://" in target or (page.parent / target).exists(), target
     for name in re.findall(r"`((?:ecm_fast|tools|bench|tests|kernels|models)/[\w/.]+)`", text):
         assert (ROOT / name).exists() or (ROOT / "ecm_fast" / name).exists(), name
+
+
+def test_every_equation_stands_where_the_page_says():
+    """Truth: the text of the files, which give the paper's numbers."""
+    rows = re.findall(r"^\| (\(.*?\)) \|.*\| (.*?) \|$", EQUATIONS.read_text(encoding="utf-8"), re.MULTILINE)
+    assert len(rows) > 10
+    for numbers, files in rows:
+        paths = [EQUATIONS.parent / link for link in re.findall(r"\]\((.*?)\)", files)]
+        for number in numbers.split(", "):
+            assert any(number in path.read_text("utf-8") for path in paths), (number, files)
 
 
 def test_the_drawing_shows_every_name():

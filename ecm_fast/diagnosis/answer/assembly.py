@@ -20,7 +20,7 @@ from ..results.external_validation import not_carried
 from ..results.plan import Plan
 from ..search.fit import Fit, refit
 from ..search.outliers import excess_noise
-from ..search.selection import Selection
+from ..search.result import Selection
 from .caveats import alarms, correlation_caveats, mesh_caveats, size_caveats, stiffness_caveats
 from .claims import claims, estimates
 from .sentences import missing_columns, nearest, sentence, verdict_of

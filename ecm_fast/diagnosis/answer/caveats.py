@@ -14,7 +14,7 @@ from ..problem.candidates import EffectCandidate
 from ..problem.stiffness_scale import STIFFNESS_KEYS
 from ..results.findings import Claim
 from ..search.fit import Fit
-from ..search.selection import Selection
+from ..search.result import Selection
 
 __all__ = ["alarms", "correlation_caveats", "mesh_caveats", "size_caveats", "stiffness_caveats"]
 

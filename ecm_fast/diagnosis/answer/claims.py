@@ -9,7 +9,7 @@ from ...identification.result import Estimate
 from ...mechanism.parameters import find
 from ..results.diagnosis import Claim, Model
 from ..search.fit import Fit
-from ..search.selection import Selection
+from ..search.result import Selection
 
 __all__ = ["claims", "estimates"]
 

@@ -10,7 +10,7 @@ from ..results.diagnosis import Detectability, HoldoutMisfit, Remainder, Verdict
 from ..results.external_validation import Transfer, carried, not_carried
 from ..results.findings import Claim, Model
 from ..search.odds import odds
-from ..search.selection import Selection, implausible, leaves_most
+from ..search.result import Selection, implausible, leaves_most
 
 __all__ = [
     "MIRRORS",

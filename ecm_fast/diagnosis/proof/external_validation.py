@@ -17,7 +17,7 @@ from ..problem.problem import Problem
 from ..results.diagnosis import Noise
 from ..results.external_validation import Transfer, allowed
 from ..search.fit import Fit
-from ..search.selection import Selection
+from ..search.result import Selection
 from .holdout_error import Residuals, gap
 
 __all__ = ["transfer"]

@@ -9,7 +9,7 @@ from ...identification.noise import ReadingNoise
 from ..problem.linearization import Linearization
 from ..problem.problem import Problem
 from .fit import Fit, refit
-from .selection import implausible
+from .result import implausible
 
 __all__ = ["Fits", "fit_alone", "fit_models", "fit_pairs", "fit_singles", "least_evidence"]
 

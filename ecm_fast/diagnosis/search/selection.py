@@ -1,115 +1,184 @@
-"""Result of the search, and what makes an explanation one that cannot be meant."""
+"""Model selection: no effect, one or two, as the tests say of the best explanation by each number."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..problem.linearization import Linearization
-from ..results.diagnosis import LackOfFit, Model
-from .fit import Fit
+from ..problem.problem import Problem
+from ..results.diagnosis import LackOfFit
+from .calibration import calibrate
+from .fit import Fit, refit
+from .initial_values import initial_values
+from .odds import alternative_caveat
+from .outliers import drop_single_row_alarms, excess_noise
+from .ranked_fits import Fits, fit_alone, fit_models, fit_pairs, fit_singles, least_evidence
+from .result import Selection, implausible, leaves_most
 
-__all__ = ["LIMITS", "Selection", "implausible", "leaves_most"]
+__all__ = [
+    "FAILS",
+    "NO_GAIN",
+    "OUTCOMES",
+    "PASSES",
+    "UNTRIED",
+    "WORTH",
+    "Trial",
+    "search",
+    "search_from",
+    "second_effect",
+    "select",
+    "trial",
+]
 
-Array = NDArray[np.float64]
+WORTH = 9.2
+"""Evidence that a second name must add, whether or not a test still sees something beside the first."""
+_SPEAKS = 2.0  # evidence of a factor of e^2 = 7: as good as none is below it
 
-LIMITS = {1: 5.0, 2: 9.2}
-"""Evidence that a model of so many effects may lack to the best one and still be indistinguishable from it.
 
-A given wrong rival leads the truth by that much with a chance of at most Phi(-sqrt(limit)), 1.3 % of one effect's."""
-_PLAUSIBLE = 6.0
-"""Typical sizes beyond which a name is refused: a neck 0.13 rad bent by itself, a tendon 18 mm off its place."""
-_VISIBLE, _LEFT_OVER = 2.0, 0.5
-"""Times the noise from which on a misfit is far beyond it, and the share of its square that an answer may leave."""
+def search(problem: Problem, alpha: float, max_effects: int, seed: int) -> Selection:
+    """Search for what the measurements ask for."""
+    values, noise = calibrate(problem)
+    return search_from(Linearization.at(problem, values, (), noise), alpha, max_effects, seed)
+
+
+def search_from(baseline: Linearization, alpha: float, max_effects: int, seed: int) -> Selection:
+    """Search from the calibrated model without effects."""
+    baseline, gates = drop_single_row_alarms(baseline, alpha, seed)
+    if not any(gate.alarm for gate in gates) or max_effects < 1:
+        louder, null = excess_noise(baseline), refit(baseline, (), baseline.values)
+        return Selection(baseline, baseline, null, {}, gates, 0, bool(louder), louder)
+    start = _with_initial_values(baseline, initial_values(baseline))
+    first = fit_singles(start.problem, start, start.noise, start, {})
+    return select(baseline, start, gates, first, alpha, max_effects, seed)
+
+
+UNTRIED, NO_GAIN, FAILS, PASSES = "untried", "no gain", "fails", "passes"
+OUTCOMES = {
+    # one effect, two effects: answer
+    (PASSES, UNTRIED): "one",
+    (PASSES, NO_GAIN): "one",
+    (PASSES, FAILS): "one",
+    (PASSES, PASSES): "two",
+    (FAILS, UNTRIED): "none",
+    (FAILS, NO_GAIN): "another one",  # which the search for two may have come upon
+    (FAILS, FAILS): "none",
+    (FAILS, PASSES): "two",
+}
+"""The answer by what the tests say of the best explanation by one effect, and by two.
+
+Two are tried where one fails, and where one passes but the evidence is for two: as the better part of two a wrong name
+may pass all tests."""
 
 
 @dataclass(frozen=True, eq=False)
-class Selection:
-    """Result of the search.
+class Trial:
+    """Explanations by one number of effects, and what the tests say of the best.
 
     Attributes
     ----------
-    baseline, view : the linear model without effects, and with those found
-    fits : by number of effects, the best first
-    models : the same for readers
-    gates : in the order of the tests
-    effects : how many were found
-    outside : whether something is left that no admissible model explains
-    doubts : what to know
-    closest : the view at what comes nearest, where that does not explain
+    view, null, fits : the view at the best, the fit without effects there, and all fits, the best first
+    gates : tests for more than the best has
+    outcome : passes, fails, or no gain over fewer effects
+    gain : evidence of the best over that of fewer effects
     """
 
-    baseline: Linearization
     view: Linearization
     null: Fit
-    fits: dict[int, list[Fit]]
-    gates: tuple[LackOfFit, ...]
-    effects: int
-    outside: bool
-    doubts: tuple[str, ...]
-    closest: Linearization | None = None
-
-    @property
-    def scale(self) -> Array:
-        """Noise seen over noise assumed, by channel, where the model comes nearest to the data."""
-        return (self.closest or self.view).cleaned.scale
-
-    @property
-    def best(self) -> Fit:
-        """The fit that is reported."""
-        return self.fits[self.effects][0] if self.effects else self.null
-
-    @property
-    def closest_fit(self) -> Fit | None:
-        """The explanation that comes nearest, whether or not it explains."""
-        fits = next((self.fits[size] for size in sorted(self.fits, reverse=True) if self.fits[size]), [])
-        return fits[0] if fits else None
-
-    @property
-    def runners_up(self) -> tuple[Fit, ...]:
-        """Explanations by as many effects as were found that can be meant, too, the best first."""
-        fits = self.fits[self.effects][1:] if self.effects else []
-        return tuple(fit for fit in fits if not implausible(fit, self.view))
-
-    def names(self, fit: Fit) -> tuple[str, ...]:
-        """Return the names of what a fit has in the model."""
-        return tuple(self.view.problem.candidates[i].name for i in fit.model)
-
-    def models(self) -> tuple[Model, ...]:
-        """Return all explanations tried, those of the number reported first."""
-        order = [self.effects, *(size for size in self.fits if size != self.effects)]
-        return tuple(model for size in order if size for model in self._models(size))
-
-    def _models(self, size: int) -> Iterable[Model]:
-        fits, candidates = self.fits.get(size, []), self.view.problem.candidates
-        known = [fit.evidence for fit in fits if not implausible(fit, self.view)] or [fit.evidence for fit in fits]
-        best = max(known, default=-np.inf)
-        for fit in fits:
-            reason = implausible(fit, self.view)
-            behind = best - fit.evidence
-            sizes = tuple(fit.by_key()[candidates[i].keys[0]] for i in fit.model)
-            names = self.names(fit)
-            inside = size == (self.effects or size) and not reason and behind < LIMITS[size]
-            yield Model(
-                names, sizes, fit.evidence - self.null.evidence, self.null.total - fit.total, behind, inside, reason
-            )
+    fits: list[Fit]
+    gates: tuple[LackOfFit, ...] = ()
+    outcome: str = UNTRIED
+    gain: float = 0.0
 
 
-def implausible(fit: Fit, view: Linearization) -> str:
-    """Return why an explanation cannot be meant, empty if it can."""
-    values = fit.by_key()
-    for i in fit.model:
-        candidate = view.problem.candidates[i]
-        size = (values[candidate.keys[0]] - candidate.start[0]) / candidate.typical
-        if abs(size) > _PLAUSIBLE:
-            return f"{candidate.name} would need {abs(size):.0f} times its typical size"
-        if candidate.one_sided and size <= 0.0:
-            return f"{candidate.name} would have to be negative"
-    return ""
+def select(
+    baseline: Linearization,
+    start: Linearization,
+    gates: tuple[LackOfFit, ...],
+    first: Fits,
+    alpha: float,
+    max_effects: int,
+    seed: int,
+) -> Selection:
+    """Go on from the single effects; the answer is that of `OUTCOMES`.
+
+    The search began at `start`, the baseline with further parameters of effects where they begin.
+    """
+    one = trial(first, baseline, alpha, seed)
+    two, alone = None, list[Fit]()
+    if max_effects >= 2 and (one.outcome == FAILS or second_effect(one.view) > WORTH):
+        two, alone = _two(baseline, start, one, alpha, seed)
+    answer = OUTCOMES[one.outcome, two.outcome if two else UNTRIED]
+    if answer == "another one" and two:
+        again = _another(baseline, start, one, two, alone, alpha, seed)
+        one, two = (again, None) if again else (one, two)
+        answer = "one" if one.outcome == PASSES else "none"
+    fits = {1: one.fits} | ({2: two.fits} if two else {})
+    gates = (*gates, *one.gates)
+    if answer == "one":
+        return Selection(baseline, one.view, one.null, fits, gates, 1, False, ())
+    gates = (*gates, *(two.gates if two else ()))
+    if answer == "two" and two:
+        name = baseline.problem.candidates[one.fits[0].model[0]].name
+        doubts = (alternative_caveat(name, two.gain),) if one.outcome == PASSES else ()
+        return Selection(baseline, two.view, two.null, fits, gates, 2, False, doubts)
+    closest = two.view if two and two.outcome == FAILS else one.view
+    return Selection(baseline, baseline, refit(baseline, (), baseline.values), fits, gates, 0, True, (), closest)
 
 
-def leaves_most(view: Linearization, baseline: Linearization) -> bool:
-    """Whether an explanation leaves most of a misfit that is far beyond the noise as it is known."""
-    before, after = (float(np.mean(each.raw[each.used] ** 2)) for each in (baseline, view))
-    return before > _VISIBLE**2 and after > _LEFT_OVER * before
+def trial(ranked: Fits, baseline: Linearization, alpha: float, seed: int) -> Trial:
+    """Test the best of some explanations; rows on which an alarm rests alone are left out."""
+    view, null, fits = ranked
+    reduced, gates = drop_single_row_alarms(view, alpha, seed)
+    if reduced is not view:
+        known = {fit.model: fit for fit in fits}
+        null, fits = refit(reduced, (), null.by_key()), fit_models(reduced, list(known), known)
+    good = _admissible(fits, null, reduced, baseline) and not any(gate.alarm for gate in gates)
+    return Trial(reduced, null, fits, gates, PASSES if good else FAILS)
+
+
+def _two(baseline: Linearization, start: Linearization, one: Trial, alpha: float, seed: int) -> tuple[Trial, list[Fit]]:
+    """Try two effects; return the trial, and the fits of its best two and, if that passes, the best one, each alone."""
+    begin = initial_values(one.view, least_evidence(float(one.view.rest[2].singles()[0].max(initial=-np.inf))))
+    views = _with_initial_values(start, begin), _with_initial_values(one.view, begin)
+    view, null, fits = fit_pairs(baseline.problem, *views, baseline.noise, one.fits)
+    alone = fit_alone(view, fits, one.fits[:1] if one.outcome == PASSES else [])
+    single = max((fit.evidence for fit in alone), default=null.evidence)
+    gain = fits[0].evidence - single if fits else 0.0
+    if gain <= WORTH or implausible(fits[0], view):
+        return Trial(view, null, fits, (), NO_GAIN, gain), alone
+    return replace(trial((view, null, fits), baseline, alpha, seed), gain=gain), alone
+
+
+def _another(
+    baseline: Linearization,
+    start: Linearization,
+    one: Trial,
+    two: Trial,
+    alone: list[Fit],
+    alpha: float,
+    seed: int,
+) -> Trial | None:
+    """Try the single effect that the search for two found to be better; None where it found none."""
+    better = [fit for fit in alone[:1] if fit.evidence - two.null.evidence > _SPEAKS]
+    if not better or better[0].model == one.fits[0].model:
+        return None
+    known = {fit.model: fit for fit in (*one.fits, *alone)}
+    found = fit_singles(baseline.problem, start, baseline.noise, two.view, known)
+    again = trial(found, baseline, alpha, seed)
+    return replace(again, gates=(*one.gates, *again.gates))
+
+
+def second_effect(view: Linearization) -> float:
+    """Return the evidence, on the linear model, that the best two effects have more than the best one."""
+    return float(view.gram.pairs().evidence.max(initial=-np.inf) - view.gram.singles()[0].max(initial=-np.inf))
+
+
+def _with_initial_values(view: Linearization, begin: dict[str, float]) -> Linearization:
+    """Return a view with further parameters of effects where they begin."""
+    return Linearization.at(view.problem, {**view.values, **begin}, view.model, view.noise) if begin else view
+
+
+def _admissible(fits: list[Fit], null: Fit, view: Linearization, baseline: Linearization) -> bool:
+    if not fits or implausible(fits[0], view) or fits[0].evidence - null.evidence <= _SPEAKS:
+        return False
+    return not leaves_most(view, baseline)

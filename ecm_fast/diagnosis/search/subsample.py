@@ -18,8 +18,8 @@ from .fit import Fit, refit
 from .odds import alternative_caveat
 from .outliers import drop_single_row_alarms
 from .ranked_fits import Fits, fit_models, fit_pairs
-from .search import PASSES, WORTH, search, search_from, second_effect, select, trial
-from .selection import LIMITS, Selection, implausible
+from .result import LIMITS, Selection, implausible
+from .selection import PASSES, WORTH, search, search_from, second_effect, select, trial
 
 __all__ = ["ENOUGH", "evenly", "search_all"]
 

@@ -1,9 +1,9 @@
-"""The reference model in dense NumPy: each formula once, with its number in the paper.
+"""The reference model in dense NumPy: each formula once, with its number in the paper; `equations.md` lists them.
 
 Same names as in `ecm_fast.kernels`, but written from the mechanism's named parameters, not from the arrays that
-`kernels.prepare` makes. It is the oracle of the tests and a yardstick of time: of the package `benchmark` alone imports
-it.
-All forces accept complex parameters and coordinates, so that the complex step differentiates them to rounding.
+`kernels.prepare` makes. It is the oracle of the tests and a yardstick of time: of the package
+`studies.paper.fig7_times` alone imports it. All forces accept complex parameters and coordinates, so that the complex
+step differentiates them to rounding.
 
 `p` is a mapping from a parameter's key to its value, see `named`.
 """

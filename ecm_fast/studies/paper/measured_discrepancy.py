@@ -9,7 +9,7 @@ from ...data.datasets import load
 from ...data.measurements import Measurements
 from ...diagnosis import Diagnosis
 from ...diagnosis.design.next_loads import Pool, fitted_rivals, next_loads
-from ...diagnosis.search.selection import LIMITS
+from ...diagnosis.search.result import LIMITS
 from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...pages.page import Section, Table
