@@ -12,7 +12,7 @@ from ecm_fast.cli import main
 from ecm_fast.cli.frame import terminal as _streams
 from ecm_fast.diagnosis.answer.claims import claims
 from ecm_fast.diagnosis.search import subsample as many
-from ecm_fast.diagnosis.search.selection import search
+from ecm_fast.diagnosis.search.model_selection import search
 from ecm_fast.identification.rows import FitRows
 from ecm_fast.studies.diagnosis import Study
 from ecm_fast.testbed import Sensors, in_sequence, measure, shear_test, tendon_test

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import ecm_fast as ecm
-from ecm_fast.diagnosis.search.selection import FAILS, NO_GAIN, OUTCOMES, PASSES, UNTRIED
+from ecm_fast.diagnosis.search.model_selection import FAILS, NO_GAIN, OUTCOMES, PASSES, UNTRIED
 from ecm_fast.diagnosis.search.subsample import search_all
 
 pytestmark = pytest.mark.slow

@@ -15,11 +15,11 @@ from ..problem.linearization import Linearization
 from ..problem.problem import Problem
 from ..results.diagnosis import LackOfFit
 from .fit import Fit, refit
+from .model_selection import PASSES, WORTH, search, search_from, second_effect, select, trial
 from .odds import alternative_caveat
 from .outliers import drop_single_row_alarms
 from .ranked_fits import Fits, fit_models, fit_pairs
 from .result import LIMITS, Selection, implausible
-from .selection import PASSES, WORTH, search, search_from, second_effect, select, trial
 
 __all__ = ["ENOUGH", "evenly", "search_all"]
 
