@@ -56,7 +56,7 @@ SUITES = {
     "kernels/general/elements": ["tests/mechanism/test_families.py"],
     "kernels/general/sensitivity": ["tests/models/test_sensitivity.py"],
     "kernels/general/lengths": ["tests/models/robot/test_tendons.py"],
-    "kernels/general/tendons": ["tests/models/robot/test_tendons.py"],
+    "kernels/general/tendon": ["tests/models/robot/test_tendons.py"],
     "kernels/history": ["tests/models/test_path_step.py", "tests/models/test_predict.py"],
     "kernels/polynomial": ["tests/models/test_polynomial.py"],
     "kernels/user_laws": ["tests/models/test_user_effects.py"],

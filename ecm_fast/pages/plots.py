@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..kernels import layout as at
-from ..kernels.general.tip import tendon_directions
+from ..kernels.general.pulleys import tendon_directions
 from ..models.equilibrium import Equilibrium
 from ..models.finite_element import FiniteElementModel
 from ..models.instruments.prediction import Prediction

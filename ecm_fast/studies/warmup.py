@@ -13,7 +13,7 @@ import numpy as np
 
 from ..kernels._cache import CACHE_FOLDER, KernelCache
 from ..kernels._notice import CompileNotice
-from ..kernels.general.tip import tendon_directions
+from ..kernels.general.pulleys import tendon_directions
 from ..kernels.polynomial import DEGREES
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.mesh.families import FAMILIES

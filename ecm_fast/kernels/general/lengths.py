@@ -25,7 +25,7 @@ from ..layout import (
 )
 from .elements.lagrange import apply_step
 from .newton import ROUNDING_FLOOR, step_size
-from .tendons import tendon_derivatives, tendon_lengths
+from .tendon_lengths import tendon_derivatives, tendon_lengths
 
 __all__ = ["LENGTHS_DEPEND", "MOST_STRIDES", "converge", "lengths_work_size", "place_of", "solve_lengths"]
 

@@ -42,7 +42,7 @@ from ..layout import (
 from ..prepare import is_top_heavy
 from .elements.dispatch import apply_step, element_residual, sizes
 from .front import band_of, newton_step, solve_factored, work_size
-from .section_stability import LOST, section_fails, softens
+from .section_failure import LOST, section_fails, softens
 from .tip import tendon_forces, tip_wrench
 
 __all__ = ["ROUNDING_FLOOR", "advance", "solve", "solve_work_size", "step_size"]

@@ -30,8 +30,9 @@ from ..trig import sincos
 from .elements import lagrange
 from .elements.dispatch import element_residual, kernels_for, sizes
 from .front import back_substitute, band_of, newton_step, solve_spd3
+from .pulleys import tendon_directions
 from .section import section_law
-from .tip import force_slopes, plate_turn, tendon_directions, tip_wrench
+from .tip import force_slopes, plate_turn, tip_wrench
 
 __all__ = ["STEP", "pose_sensitivities", "prepare_complex", "reaction", "residual_change", "tip_derivatives"]
 

@@ -6,40 +6,13 @@ from .. import layout as at
 from .._jit import kernel, step_kernel
 from ..trig import sincos
 from ..user_laws import added
+from .pulleys import chord, tendon_directions
 
-__all__ = ["chord", "force_slopes", "plate_turn", "tendon", "tendon_directions", "tendon_forces", "tip_wrench"]
+__all__ = ["force_slopes", "plate_turn", "tendon_forces", "tip_wrench"]
 
 
 # the joint of the head plate: most Newton steps, and the gap that is closed [rad]
 JOINT_STEPS, JOINT_CLOSED = 20, 1e-13
-
-
-@step_kernel
-def tendon(dx, dz, reach):
-    """Direction and free length of a tendon that leaves its pulley on one side, [T1] of `reference.tip`.
-
-    dx, dz : pulley center less attachment [m]
-    reach : radius of the pulley, with the sign of the side, see `layout` [m]
-
-    Returns e_x, e_z, the unit vector along which the tendon pulls, and its free length [m]; that is nan where
-    the attachment lies inside the pulley.
-    """
-    distance2 = dx * dx + dz * dz
-    free = np.sqrt(distance2 - reach * reach)
-    return (free * dx - reach * dz) / distance2, (free * dz + reach * dx) / distance2, free
-
-
-@kernel
-def tendon_directions(tip, x, z, s, c):
-    """Both tendons at a tip pose: e_x, e_z, free length of the left one, then of the right one, and their levers.
-
-    The levers (r_x, r_z) go from Q to the attachment, in world axes [m].
-    """
-    l_x, l_z = tip[at.T_ATTACH_LX] * c + tip[at.T_ATTACH_LZ] * s, tip[at.T_ATTACH_LZ] * c - tip[at.T_ATTACH_LX] * s
-    r_x, r_z = tip[at.T_ATTACH_RX] * c + tip[at.T_ATTACH_RZ] * s, tip[at.T_ATTACH_RZ] * c - tip[at.T_ATTACH_RX] * s
-    e_lx, e_lz, free_l = tendon(tip[at.T_PULLEY_LX] - x - l_x, tip[at.T_PULLEY_LZ] - z - l_z, tip[at.T_REACH_L])
-    e_rx, e_rz, free_r = tendon(tip[at.T_PULLEY_RX] - x - r_x, tip[at.T_PULLEY_RZ] - z - r_z, tip[at.T_REACH_R])
-    return e_lx, e_lz, free_l, e_rx, e_rz, free_r, l_x, l_z, r_x, r_z
 
 
 @step_kernel
@@ -98,15 +71,6 @@ def _head_wrench(tip, loads, x, z, theta, wrench, K):
         K[0], K[1], K[2] = K[0] - a * by[0], K[1] - a * by[1], K[2] - a * by[3]
         K[3], K[4], K[5] = K[3] - a * by[2], K[4] - a * by[4], K[5] - a * by[5]
     return shortest
-
-
-@kernel
-def chord(tip, i, x, z, s, c):
-    """A chord beside the first two tendons: e_x, e_z, free length, and lever from Q in world axes."""
-    anchors = tip[at.T_CHORD + at.N_CHORD * i : at.T_CHORD + at.N_CHORD * (i + 1)]
-    r_x, r_z = anchors[1] * c + anchors[2] * s, anchors[2] * c - anchors[1] * s
-    e_x, e_z, free = tendon(anchors[3] - x - r_x, anchors[4] - z - r_z, anchors[5])
-    return e_x, e_z, free, r_x, r_z
 
 
 @kernel

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...data.columns import CHANNELS, PAIR, foreign
 from ...data.measurements import Measurements
 from ...errors import InputError, did_you_mean
-from ...kernels.general.tendons import node_derivatives
+from ...kernels.general.tendon_lengths import node_derivatives
 from ...kernels.layout import N_STATION, N_TENDONS, N_TIP
 from ...mechanism.body import MARKER, TENDON
 from ...mechanism.catalogue import CATALOGUE

@@ -10,7 +10,7 @@ from ...errors import InputError
 from ...kernels.general.lengths import LENGTHS_DEPEND, MOST_STRIDES, lengths_work_size
 from ...kernels.general.lengths import solve_lengths as follow
 from ...kernels.general.newton import solve, solve_work_size
-from ...kernels.general.tendons import tendon_derivatives
+from ...kernels.general.tendon_lengths import tendon_derivatives
 from ...kernels.general.tip import tendon_forces
 from ...kernels.layout import CONVERGED, N_OUT, N_TENDONS, O_ITERATIONS
 from ...kernels.prepare import prepare

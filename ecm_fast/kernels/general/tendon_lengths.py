@@ -28,8 +28,8 @@ from ..layout import (
 from ..prepare import prepare
 from ..trig import sincos
 from .front import band_of, newton_step, solve_factored, solve_spd3
+from .pulleys import chord, tendon
 from .sensitivity import STEP, prepare_complex, reaction, residual_change
-from .tip import chord, tendon
 
 __all__ = ["node_derivatives", "tendon_derivatives", "tendon_lengths"]
 

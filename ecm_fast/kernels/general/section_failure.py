@@ -1,4 +1,4 @@
-"""Stability of a section: whether its law, not the neck as a column, ends the stable branch."""
+"""Failure of a section: whether its law, not the neck as a column, ends the stable branch; `newton` judges the neck."""
 
 from typing import Any
 
