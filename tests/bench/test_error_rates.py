@@ -66,8 +66,8 @@ def test_known_answers_have_known_rates(tool, tmp_path, capsys):
     (tmp_path / "rates.json").unlink()
     assert tool.main([*words, "--grade-only"]) == 0  # with no one to ask
     assert json.loads((tmp_path / "rates.json").read_text())["unknown"]["rates"]["grid2"] == rates
-    told = "two effects, each 6 sigma or more alone and beside the other: both named"
-    assert rates[told] == "100.0% (10 of 10)"
+    row = "two effects, each 6 sigma or more alone and beside the other: both named"
+    assert rates[row] == "100.0% (10 of 10)"
     assert rates["outside the catalogue, 8 sigma or more from every entry: said so"] == "0.0% (0 of 16)"
     assert rates["outside the catalogue, 8 sigma or more from every entry: one name alone"] == "100.0% (16 of 16)"
     assert rates["a second name on one effect"] == "-"
@@ -88,13 +88,13 @@ def test_answers_are_kept_until_they_are_forgotten(tool, tmp_path, capsys):
     """Counted by hand, for answers made by hand."""
     words = ["--folder", str(tmp_path), "--groups", "clean", *WORDS]
     alarm = {"verdict": "named", "effects": [{"name": "creep", "parameters": {"creep": 0.1}}]}
-    for diagnose, more, said in (
+    for diagnose, more, line in (
         (lambda path, priors: alarm, (), "100.0% (4 of 4)"),
         (oracle, (), "100.0% (4 of 4)"),
         (oracle, ("--forget",), "0.0% (0 of 4)"),
     ):
         assert tool.main([*words, *more], diagnose=diagnose, tell=plainly) == 0
-        assert f"| false alarm on clean data | {said} |" in capsys.readouterr().out
+        assert f"| false alarm on clean data | {line} |" in capsys.readouterr().out
 
 
 def test_every_effect_is_a_cell_and_every_set_has_its_own_seed(tool, tmp_path):

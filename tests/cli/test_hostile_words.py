@@ -46,7 +46,7 @@ def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         ("predict far.csv", "far.csv: line 3, column x_mm: '1e300' (allowed is a size of at most 1e+06 mm)"),
         ("predict huge.csv", "48 bad cells: line 2, column sigma_x_m: '1e200'"),
@@ -62,11 +62,11 @@ def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.
         ("view --port 99999 --no-browser", "--port 99999: allowed is a whole number up to 65535"),
     ],
 )
-def test_numbers_that_cannot_be_meant_are_refused(run: Run, words: str, said: str) -> None:
+def test_numbers_that_cannot_be_meant_are_refused(run: Run, words: str, message: str) -> None:
     """Interface: exit code 2 and one line that names the value and what is allowed."""
     code, out, err = run(*words.split())
     assert (code, out) == (2, ""), err
-    assert said in err
+    assert message in err
     assert err.count("\n") == 1
 
 
@@ -103,17 +103,18 @@ def test_whitened_covariances_are_the_identity_at_any_scale(force: float) -> Non
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "said"), [("NUMBA_DISABLE_JIT", "1", "compiled alone"), ("NUMBA_NUM_THREADS", "0", "1 or more")]
+    ("name", "value", "message"),
+    [("NUMBA_DISABLE_JIT", "1", "compiled alone"), ("NUMBA_NUM_THREADS", "0", "1 or more")],
 )
 def test_settings_of_the_compiler_that_cannot_be(
-    run: Run, monkeypatch: pytest.MonkeyPatch, name: str, value: str, said: str
+    run: Run, monkeypatch: pytest.MonkeyPatch, name: str, value: str, message: str
 ) -> None:
     """Numba's manual: one turns compilation off, the other is a number of threads."""
     monkeypatch.setenv(name, value)
     code, _, err = run("solve", "--tendons", "1", "2")
     assert code == 2
     assert err.startswith(f"ecm-fast: {name}={value} in the environment: ")
-    assert said in err
+    assert message in err
 
 
 @pytest.mark.parametrize("value", [(1.0, 2.0), "9", None, [1.0], True])

@@ -45,8 +45,11 @@ def test_every_dimension_with_a_tolerance_is_said(found):
     known = {effect.name for effect in CATALOGUE.values() if effect.size.tolerance}
     assert set(found.dimensions) == set(found.dimensions_before) == known
     assert {name: found.mechanism.effects[name] for name in known} == pytest.approx(dict(found.dimensions))
-    said = found.to_json_dict()
-    assert (said["dimensions"], said["dimensions_before"]) == (dict(found.dimensions), dict(found.dimensions_before))
+    content = found.to_json_dict()
+    assert (content["dimensions"], content["dimensions_before"]) == (
+        dict(found.dimensions),
+        dict(found.dimensions_before),
+    )
 
 
 def test_a_dimension_that_is_named_is_no_tolerance():
@@ -112,8 +115,8 @@ def test_what_is_seen_as_a_product_alone_stands_out():
 def test_noise_far_beyond_the_declared_is_reported():
     """By hand: the same readings with sigmas five times too small."""
     loud = measure(NECK.replace(precurvature=0.3), LOADS, Sensors(camera_sigma=(5e-4, 5e-4, 5e-3)), seed=12)
-    told = replace(loud, sigma_x=loud.sigma_x / 5.0, sigma_z=loud.sigma_z / 5.0, sigma_theta=loud.sigma_theta / 5.0)
-    found, quiet = (diagnose(NECK, data, candidates=["precurvature"], priors=MATERIAL) for data in (told, loud))
+    noisy = replace(loud, sigma_x=loud.sigma_x / 5.0, sigma_z=loud.sigma_z / 5.0, sigma_theta=loud.sigma_theta / 5.0)
+    found, quiet = (diagnose(NECK, data, candidates=["precurvature"], priors=MATERIAL) for data in (noisy, loud))
     assert found.names == quiet.names == ("precurvature",)
     assert any("times as much as the noise that is declared" in text for text in found.warnings)
     assert not any("declared" in text for text in quiet.warnings)

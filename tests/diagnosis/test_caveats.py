@@ -43,11 +43,11 @@ def test_a_stiffness_far_from_the_file_is_said() -> None:
     assert any("moves EI" in text and "(-10%)" in text for text in diagnose(NECK, data, max_effects=0).warnings)
 
 
-@pytest.mark.parametrize(("wanted", "said"), [(-254.9, "no physical GA fits"), (1900.0, "want GA = 1900 +- 38 N")])
-def test_a_negative_stiffness_is_never_wanted(wanted, said) -> None:
+@pytest.mark.parametrize(("wanted", "caveat"), [(-254.9, "no physical GA fits"), (1900.0, "want GA = 1900 +- 38 N")])
+def test_a_negative_stiffness_is_never_wanted(wanted, caveat) -> None:
     """By hand: the text."""
     text = _away(find("GA"), 2420.0, 120.0, wanted, 38.0, 13.0)
-    assert said in text
+    assert caveat in text
     assert "-254.9" not in text
     assert "13.0 standard deviations, of fit and test together, from 2420 +- 120 N" in text
 

@@ -126,16 +126,16 @@ def test_rows_solved_alone_are_as_among_all(looped: Measurements) -> None:
 
 def test_everybody_who_asks_is_told_of_every_step(looped: Measurements) -> None:
     """Contract: lines of progress in order."""
-    said: list[str] = []
-    diagnose(NECK, looped.select(range(60)), progress=said.append)
-    assert said[0].startswith("[....................] search")
-    assert "proof" in said[-1]
-    assert any("calibration" in line for line in said)
-    bars = [line.count("#") for line in said]
+    messages: list[str] = []
+    diagnose(NECK, looped.select(range(60)), progress=messages.append)
+    assert messages[0].startswith("[....................] search")
+    assert "proof" in messages[-1]
+    assert any("calibration" in line for line in messages)
+    bars = [line.count("#") for line in messages]
     assert bars == sorted(bars)
-    said.clear()
-    diagnose(NECK, looped, candidates=["bending_hysteresis", "creep"], progress=said.append)
-    stages = [line.split("] ")[1].split(",")[0] for line in said]
+    messages.clear()
+    diagnose(NECK, looped, candidates=["bending_hysteresis", "creep"], progress=messages.append)
+    stages = [line.split("] ")[1].split(",")[0] for line in messages]
     assert list(dict.fromkeys(stages)) == ["search", "all rows", "proof"]
 
 

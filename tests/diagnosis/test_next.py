@@ -191,16 +191,16 @@ def test_explanations_that_are_far_apart_need_no_load(rivals) -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         ({"minutes": -1.0}, "minutes = -1"),
         ({"repeats": 0}, "repeats = 0"),
         ({"sigma": (1e-4, 1e-4)}, "three positive"),
     ],
 )
-def test_bad_numbers_are_told(rivals, options, said) -> None:
+def test_bad_numbers_are_told(rivals, options, message) -> None:
     """Contract: the text of the error."""
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         next_loads(rivals, [LOADS_MEASURED], **options)
 
 
@@ -220,10 +220,10 @@ def test_no_load_is_larger_than_what_can_be_applied(rivals) -> None:
     assert pool.add_on == ("wrench", "wrench")
     found = next_loads(rivals[:2], [LOADS_MEASURED], pool=Pool.from_add_ons().within({"fx_N": 0.0, "lam_l_N": 80.0}))
     assert all("fx_N" not in entry.loads and entry.loads["lam_l_N"] <= 80.0 for entry in found.suggestions)
-    for limits, said in (
+    for limits, message in (
         ({"fy_N": 1.0}, "limit of 'fy_N': allowed are lam_l_N, lam_r_N, fx_N"),
         ({"fz_N": -1.0}, "limit of fz_N = -1.0: allowed is a number >= 0"),
         ({"fx_N": 0.0, "fz_N": 0.0, "tau_Nm": 0.0}, "leave no load"),
     ):
-        with pytest.raises(InputError, match=said):
+        with pytest.raises(InputError, match=message):
             Pool.from_add_ons(["wrench"]).within(limits)

@@ -134,9 +134,9 @@ def test_a_plan_needs_no_poses_and_mirror_classes_do_not_mix():
 def test_the_distance_to_a_rival_is_what_its_fit_leaves():
     """Another program path: `identify` with the rival."""
     exact = measure(MADE.replace(bending_one_sided=0.003), LOADS, Sensors(camera_sigma=(0.0, 0.0, 0.0)), seed=1)
-    told = declared(exact)
-    found = standing(NECK, told, ("bending_one_sided",))
-    seen = told.select(np.flatnonzero(~lock([told], 0)))
+    noisy = declared(exact)
+    found = standing(NECK, noisy, ("bending_one_sided",))
+    seen = noisy.select(np.flatnonzero(~lock([noisy], 0)))
     free = ["EA", "GA", "EI"]
     assert found.sigmas == pytest.approx(np.sqrt(identify(NECK, seen, free).chi2), rel=0.01)
     rivals = (found.rival, "plate_misalignment", "pulley_height_asymmetry", "precurvature", "marker_angle_offset")
@@ -147,11 +147,11 @@ def test_the_distance_to_a_rival_is_what_its_fit_leaves():
 def test_the_nearest_rival_may_have_unusual_parameters():
     """A camera that lags by four seconds is nearly a neck that forgets all in four seconds, not in the usual minute."""
     exact, _ = hide(effects={"camera_lag": 4.0}, design="T", seed=1, noise="none", spread=False)
-    told = declared(exact)
-    found = standing(NECK, told, ("camera_lag",))
+    noisy = declared(exact)
+    found = standing(NECK, noisy, ("camera_lag",))
     assert (found.sigmas > 15.0, found.rival) == (True, "fading_memory")
     memory = NECK.replace(**{"fading_memory.share": 0.9, "fading_memory.time": 4.0})
-    sigmas = predict(memory, told).residual[~lock([told], 0)] / np.array([1e-4, 1e-4, 1e-3])
+    sigmas = predict(memory, noisy).residual[~lock([noisy], 0)] / np.array([1e-4, 1e-4, 1e-3])
     assert found.apart <= np.linalg.norm(sigmas) < 5.0
 
 
@@ -159,9 +159,9 @@ def test_one_of_two_stands_out_by_what_the_other_leaves():
     """Another program path: `identify` with the other effect."""
     exact = measure(MADE.replace(bending_one_sided=0.003, camera_z_offset=2e-4), LOADS,
                     Sensors(camera_sigma=(0.0, 0.0, 0.0)), seed=1)  # fmt: skip
-    told = declared(exact)
-    found = beside(NECK, told, ("bending_one_sided", "camera_z_offset"))
-    seen, free = told.select(np.flatnonzero(~lock([told], 0))), ["EA", "GA", "EI"]
+    noisy = declared(exact)
+    found = beside(NECK, noisy, ("bending_one_sided", "camera_z_offset"))
+    seen, free = noisy.select(np.flatnonzero(~lock([noisy], 0))), ["EA", "GA", "EI"]
     for name, rest in (("bending_one_sided", "camera_z_offset"), ("camera_z_offset", "bending_one_sided")):
         assert found[name] == pytest.approx(np.sqrt(identify(NECK, seen, [*free, rest]).chi2), rel=0.01)
 
@@ -169,10 +169,10 @@ def test_one_of_two_stands_out_by_what_the_other_leaves():
 def test_drift_below_the_noise_shows_no_effect(clean):
     """Three channels drift by one standard deviation of their priors: no statistic exceeds the root of 3."""
     drifting = Sensors(camera_sigma=(0.0, 0.0, 0.0), camera_drift=(3e-5, -3e-5, 3e-4))
-    told = declared(readings(MADE, clean, drifting, seed=1))
+    noisy = declared(readings(MADE, clean, drifting, seed=1))
     largest = []
     for share in (0.3, 0.0):
-        problem = Study(NECK, told).problem()
+        problem = Study(NECK, noisy).problem()
         problem.drift = share
         values, noise = calibrate(problem)
         largest.append(Linearization.at(problem, values, (), noise, known=True).gates(0.01, 0)[0].statistic)
@@ -182,11 +182,11 @@ def test_drift_below_the_noise_shows_no_effect(clean):
 def test_a_build_within_its_tolerances_shows_no_effect():
     """Two dimensions are off by one standard deviation of their tolerances: no statistic exceeds the root of 2."""
     off = {name: CATALOGUE[name].size.tolerance for name in ("beam_length", "lever_arm_asymmetry")}
-    told = declared(measure(NECK.replace(**off), LOADS, Sensors(camera_sigma=(0.0, 0.0, 0.0)), seed=1))
+    noisy = declared(measure(NECK.replace(**off), LOADS, Sensors(camera_sigma=(0.0, 0.0, 0.0)), seed=1))
     known = {name: (getattr(NECK.beam, name), 1e-3 * getattr(NECK.beam, name)) for name in ("EA", "GA", "EI")}
     largest = []
     for tolerances in (None, {}):
-        problem = Study(NECK, told, priors=known).problem()
+        problem = Study(NECK, noisy, priors=known).problem()
         problem.tolerances = problem.tolerances if tolerances is None else tolerances
         values, noise = calibrate(problem)
         largest.append(Linearization.at(problem, values, (), noise, known=True).gates(0.01, 0)[0].statistic)
@@ -377,12 +377,12 @@ def test_what_was_given_is_not_asked_for_again(tmp_path, capsys, clean, monkeypa
     data = readings(MADE, clean, seed=8)
     replace(data, sigma_lam=np.full(data.n, np.nan)).to_csv("clean.csv")
     asked = ["diagnose", "clean.csv", "--candidates", "beam_mass", "mooney_rivlin"]
-    for told, lines in ((["--force-sigma", "0.1"], 0), ([], 1)):
-        assert main([*asked, *told]) == 0
-        said = capsys.readouterr()
-        assert said.err.count("no column sigma_lam_N") == lines
-        assert said.out.startswith("nothing_found")
-        assert "inf" not in said.out.split()
+    for options, lines in ((["--force-sigma", "0.1"], 0), ([], 1)):
+        assert main([*asked, *options]) == 0
+        printed = capsys.readouterr()
+        assert printed.err.count("no column sigma_lam_N") == lines
+        assert printed.out.startswith("nothing_found")
+        assert "inf" not in printed.out.split()
 
 
 def test_hostile_questions_are_answered_in_one_line(bent):

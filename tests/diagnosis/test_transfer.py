@@ -88,8 +88,8 @@ def test_a_test_file_with_a_wrong_sign_is_refused(bent, side, tmp_path, capsys):
     replace(side, fz=-side.fz).to_csv(tmp_path / "side.csv")
     words = ["diagnose", str(tmp_path / "run.csv"), "--test", str(tmp_path / "side.csv"), "--out", str(tmp_path)]
     assert main(words) == 2
-    assert "side.csv: " in (said := capsys.readouterr().err)
-    assert "sign" in said
+    assert "side.csv: " in (printed := capsys.readouterr().err)
+    assert "sign" in printed
 
 
 def test_a_calibration_that_may_move_is_told_from_a_wrong_name(bent, side):

@@ -21,7 +21,7 @@ def shown(after, before=18.0, adapted=5.0):
     return Transfer(9, "a/side.csv", *gaps, EXACT, 0.9, 1.32, adapted)
 
 
-def said(*tests, verdict="named", only=None):
+def answer_of(*tests, verdict="named", only=None):
     gap = HoldoutMisfit(20, "rows set aside", Rms(1e-4, 1e-4, 1e-3, 9.0), Rms(1e-4, 1e-4, 1e-3, 2.0), EXACT, EXACT, 1.0)
     return sentence(verdict, (CLAIM,), gap, (), (), None, tests, only)
 
@@ -45,8 +45,8 @@ def test_look_alikes_have_the_sizes_that_they_would_have() -> None:
         Model(("soft_spot", "creep"), (0.3, 0.01), 30.0, 30.0, 20.0, in_set=False),
         model("lever_arm", 0.0, in_set=True),
     ]
-    told = "lever_arm (-0.0008 m), soft_spot; chance of clamp_rotation_compliance among them 62%"
-    assert alike(pairs[::-1], (NAME, "creep"), claim) == told
+    expected = "lever_arm (-0.0008 m), soft_spot; chance of clamp_rotation_compliance among them 62%"
+    assert alike(pairs[::-1], (NAME, "creep"), claim) == expected
     assert alike(pairs, (NAME, "creep"), CLAIM) == ""
 
 
@@ -67,31 +67,37 @@ def test_the_next_best_is_the_first_plausible_one_outside() -> None:
 
 def test_what_fails_comes_first_and_what_holds_comes_last() -> None:
     """By hand: the text."""
-    assert said(shown(7.0)).startswith(f"{NAME} does NOT carry over to side.csv: 7 times the noise is left (18 without")
-    assert "Fit both" in said(shown(7.0))
-    assert "within their doubt 5 are left. Fit" in said(shown(7.0))
-    assert "within their doubt 1.1 are left: they are not known well enough" in said(shown(7.0, adapted=1.1))
-    assert said(shown(1.1)).startswith("The data ask for")
-    assert f"{NAME} carries over to side.csv: 1.1 times the noise is left in 9 rows that were" in said(shown(1.1))
-    assert said(shown(1.1)).endswith("never fitted (18 without it).")
+    assert answer_of(shown(7.0)).startswith(
+        f"{NAME} does NOT carry over to side.csv: 7 times the noise is left (18 without"
+    )
+    assert "Fit both" in answer_of(shown(7.0))
+    assert "within their doubt 5 are left. Fit" in answer_of(shown(7.0))
+    assert "within their doubt 1.1 are left: they are not known well enough" in answer_of(shown(7.0, adapted=1.1))
+    assert answer_of(shown(1.1)).startswith("The data ask for")
+    assert f"{NAME} carries over to side.csv: 1.1 times the noise is left in 9 rows that were" in answer_of(shown(1.1))
+    assert answer_of(shown(1.1)).endswith("never fitted (18 without it).")
     others = (("soft_spot", 0.8), ("pulley_radius", 4.4))
-    assert said(replace(shown(1.1), rivals=others)).endswith(
+    assert answer_of(replace(shown(1.1), rivals=others)).endswith(
         "So does soft_spot (0.8), not refuted by this file. It refutes pulley_radius (4.4)."
     )
-    assert "Of the next best, soft_spot (0.8) would. Fit both" in said(replace(shown(7.0), rivals=others))
-    assert "None of the next best would: pulley_radius (4.4). Fit both" in said(replace(shown(7.0), rivals=others[1:]))
-    assert "1 more left out as outliers" in said(replace(shown(1.1), left_out=1))
-    assert "proves nothing" in said(shown(1.1, before=1.2))
-    assert "set aside" in said()
-    assert "locked" not in said()
+    assert "Of the next best, soft_spot (0.8) would. Fit both" in answer_of(replace(shown(7.0), rivals=others))
+    assert "None of the next best would: pulley_radius (4.4). Fit both" in answer_of(
+        replace(shown(7.0), rivals=others[1:])
+    )
+    assert "1 more left out as outliers" in answer_of(replace(shown(1.1), left_out=1))
+    assert "proves nothing" in answer_of(shown(1.1, before=1.2))
+    assert "set aside" in answer_of()
+    assert "locked" not in answer_of()
 
 
 def test_who_allows_few_names_is_told_so() -> None:
     """By hand: the text."""
-    assert "may be named" not in said()
-    assert said(only=[NAME]).endswith(f"Only {NAME} may be named here: another effect may fit better.")
-    assert said(only=["soft_spot"] * 9).endswith("Only 9 effects may be named here: another effect may fit better.")
-    outside = said(verdict="outside_catalogue", only=["soft_spot"])
+    assert "may be named" not in answer_of()
+    assert answer_of(only=[NAME]).endswith(f"Only {NAME} may be named here: another effect may fit better.")
+    assert answer_of(only=["soft_spot"] * 9).endswith(
+        "Only 9 effects may be named here: another effect may fit better."
+    )
+    outside = answer_of(verdict="outside_catalogue", only=["soft_spot"])
     assert outside == ("Something is missing that no one or two effects of those that may be named here (soft_spot) "
                        "explain.")  # fmt: skip
 

@@ -61,7 +61,7 @@ for name, how in (("fast", {"order": 3}), ("chain", {"elements": 20, "order": 1}
 """
 
 
-def said(program: str, cache: Path, *arguments: str, **settings: str) -> Any:
+def output_of(program: str, cache: Path, *arguments: str, **settings: str) -> Any:
     """Return the JSON that a process prints which compiles anew, into a folder of its own."""
     environment = os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(ROOT)} | settings
     command = [sys.executable, "-c", program, *arguments]
@@ -77,7 +77,7 @@ def said(program: str, cache: Path, *arguments: str, **settings: str) -> Any:
 )
 def test_loops_are_vector_arithmetic_without_calls(tmp_path, name, order):
     """LLVM's assembly: the divisions of a sweep are counted by hand, so a loop that stayed scalar leaves too few."""
-    features, text = said(LOOK, tmp_path, name, str(order))
+    features, text = output_of(LOOK, tmp_path, name, str(order))
     packed = {stem: re.findall(rf"\bv?{stem}\b.*%[xyz]mm", text) for stem in ("divpd", "mulpd", "sqrtpd")}
     assert len(packed["mulpd"]) > 20
     assert CALL.findall(text) == []
@@ -112,7 +112,7 @@ def test_a_plainer_processor_gives_the_same_digits(tmp_path):
     exec(ANSWERS, here)
     own = here["answers"]
     program = ANSWERS + "json.dump(answers, sys.stdout)"
-    plain = said(program, tmp_path, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="")
+    plain = output_of(program, tmp_path, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="")
     for name in own:
         assert plain[name][1] == own[name][1] == [0] * 64
         np.testing.assert_allclose(plain[name][0], own[name][0], rtol=0, atol=1e-12)

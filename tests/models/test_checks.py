@@ -68,7 +68,7 @@ def test_effects_of_twice_their_typical_size_are_no_wrong_label(hidden) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "message"),
     [
         ({"x_m": ("x", 1e3, 0.0)}, r"x_m: the median is 10\d where the model says 0.10\d; .* label it x_mm"),
         ({"z_m": ("z", 1e3, 0.0)}, "z_m: .* millimetres; label it z_mm"),
@@ -87,15 +87,15 @@ def test_effects_of_twice_their_typical_size_are_no_wrong_label(hidden) -> None:
         ({"theta_rad": ("theta", 1.0, np.pi / 2)}, "theta_rad: the readings lie .*15[67].* mrad"),
     ],
 )
-def test_a_wrong_label_is_named_with_its_cure(plain, changes, said) -> None:
+def test_a_wrong_label_is_named_with_its_cure(plain, changes, message) -> None:
     """By hand: one column spoilt, and the text of its cure."""
     if changes == {"lam_l_N": ("lam_r", 1.0, 0.0)}:
         swapped = {"lam_l_N": plain.lam_r, "lam_r_N": plain.lam_l, "x_m": plain.x, "z_m": plain.z}
         data = Measurements.from_columns({**swapped, "theta_rad": plain.theta}, source="run.csv")
-        said = "run.csv: .* swapped; exchange the columns lam_l_N and lam_r_N, or mirror both z and theta"
+        message = "run.csv: .* swapped; exchange the columns lam_l_N and lam_r_N, or mirror both z and theta"
     else:
         data = columns(plain, **changes)
-    with pytest.raises(InputError, match=said) as caught:
+    with pytest.raises(InputError, match=message) as caught:
         check(NECK, data)
     assert "\n" not in str(caught.value)
 
@@ -200,9 +200,9 @@ def test_forces_in_another_unit_are_blamed_on_the_forces(plain, unit, newtons) -
 
 
 @pytest.mark.parametrize(
-    ("zero", "said"), [(0.109, "head of the straight neck, 109.0 mm"), (0.1088, "neck at rest, 108.8")]
+    ("zero", "message"), [(0.109, "head of the straight neck, 109.0 mm"), (0.1088, "neck at rest, 108.8")]
 )
-def test_a_frame_set_to_zero_at_rest_is_recognized(zero, said) -> None:
+def test_a_frame_set_to_zero_at_rest_is_recognized(zero, message) -> None:
     """With EA 6 % off the median row lay 109.2 mm away; what was taken off x is what the cure puts back."""
     data = measure(NECK.replace(EA=1.06 * NECK.beam.EA), tendon_test(80, seed=1), Sensors(force_sigma=0.1), 1)
     at_rest = NECK.beam.length - 0.109 * 9.80665 * (1.0 + 0.5 * 9.47 * 0.109) / (1.06 * NECK.beam.EA)
@@ -210,7 +210,7 @@ def test_a_frame_set_to_zero_at_rest_is_recognized(zero, said) -> None:
         0.1088, abs=2e-5
     )  # L (1 - (m + rho L/2) g / EA): the closed form of pure compression
     (finding,) = [entry for entry in faults(NECK, columns(data, x_m=("x", 1.0, -zero))) if entry.certain]
-    assert f"x was set to zero {'at' if zero == 0.109 else 'with'} the {said}" in finding.cure
+    assert f"x was set to zero {'at' if zero == 0.109 else 'with'} the {message}" in finding.cure
     assert f"take -{1e3 * zero:.4g} mm off" in finding.cure
 
 
@@ -232,9 +232,9 @@ def test_side_forces_in_another_unit_or_sign_are_named() -> None:
     """Known truth: one column was changed by hand, by a sign and by 9.80665 N/kgf."""
     both = in_sequence(tendon_test(60, seed=1), shear_test(np.linspace(-60.0, 60.0, 30)))
     data = measure(NECK, both, Sensors(), 1)
-    for factor, said in ((-1.0, "turn the sign of fz_N"), (1.0 / 9.80665, "holds kgf; label it fz_kgf")):
+    for factor, message in ((-1.0, "turn the sign of fz_N"), (1.0 / 9.80665, "holds kgf; label it fz_kgf")):
         (finding,) = [entry for entry in faults(NECK, columns(data, fz_N=("fz", factor, 0.0))) if entry.certain]
-        assert said in finding.cure
+        assert message in finding.cure
 
 
 WRONG = [
@@ -293,7 +293,7 @@ def test_loads_that_are_compared_are_bridged_by_a_polynomial() -> None:
 
 def test_coarse_readings_are_said() -> None:
     """A step of 10 mrad with a noise of 1 mrad; a step of a tenth of the noise is none."""
-    for step, said in ((0.01, ["quantized"]), (1e-4, [])):
+    for step, message in ((0.01, ["quantized"]), (1e-4, [])):
         use = Sensors(force_sigma=0.1, camera_resolution=(0.0, 0.0, step))
         data = measure(NECK, tendon_test(80, seed=1), use, 1)
-        assert [finding.kind for finding in faults(NECK, data)] == said
+        assert [finding.kind for finding in faults(NECK, data)] == message

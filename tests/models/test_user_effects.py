@@ -160,6 +160,6 @@ def test_the_command_line_takes_a_file_of_effects(tmp_path, monkeypatch, capsys)
     )
     ecm.remove_effect("own_spring")
     Path("wrong.py").write_text("1 / 0\n")
-    for name, said in (("wrong.py", "wrong.py: ZeroDivisionError: division by zero"), ("no.py", "no.py: ")):
+    for name, message in (("wrong.py", "wrong.py: ZeroDivisionError: division by zero"), ("no.py", "no.py: ")):
         assert main([*solve, name]) == 2
-        assert capsys.readouterr().err.startswith(f"ecm-fast: {said}")
+        assert capsys.readouterr().err.startswith(f"ecm-fast: {message}")

@@ -108,7 +108,7 @@ def test_the_next_loads_go_on_from_the_result(done, capsys) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["next", "none.json"], "none.json: cannot be read"),
         (["next", "none.json"], "ecm-fast diagnose DATA --out DIR writes DIR/diagnose.json"),
@@ -116,10 +116,10 @@ def test_the_next_loads_go_on_from_the_result(done, capsys) -> None:
         (["next", "{file}", "--minutes", "0"], "minutes = 0"),
     ],
 )
-def test_wrong_words_are_told(done, capsys, words, said) -> None:
+def test_wrong_words_are_told(done, capsys, words, message) -> None:
     """Contract: exit code 2 and the text of the error."""
     assert main([word.format(file=done / "diagnose.json") for word in words]) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_another_json_is_told(done, capsys, tmp_path) -> None:

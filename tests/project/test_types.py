@@ -33,9 +33,9 @@ def complaints(tmp_path: Path, programs: list[str], *options: str) -> list[str]:
 def test_a_type_checker_knows_every_public_name(tmp_path: Path) -> None:
     """``mypy --strict`` takes a name for private that is not listed: every one is used here, and one that is none."""
     uses = "\n".join(f"ecm.{name}" for name in ecm_fast.__all__)
-    said = complaints(tmp_path, [f"import ecm_fast as ecm\n{uses}\necm.no_such_name\n"])
-    assert len(said) == 1, said
-    assert 'Module has no attribute "no_such_name"' in said[0]
+    messages = complaints(tmp_path, [f"import ecm_fast as ecm\n{uses}\necm.no_such_name\n"])
+    assert len(messages) == 1, messages
+    assert 'Module has no attribute "no_such_name"' in messages[0]
 
 
 def test_the_code_of_every_page_type_checks(tmp_path: Path) -> None:

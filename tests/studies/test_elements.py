@@ -251,23 +251,23 @@ def test_names_and_numbers_in_words():
 def test_the_answer_in_words():
     """Fixed numbers: ratios and powers by hand, and no sentence about what was not compared."""
     assert answer(study_of({})) == ()
-    told = answer(study_of({(20, 1): 4e-4, (40, 1): 1e-4, (1, 3): 2e-5, (1, 4): 1e-7}))
-    assert told == (
+    words = answer(study_of({(20, 1): 4e-4, (40, 1): 1e-4, (1, 3): 2e-5, (1, 4): 1e-7}))
+    assert words == (
         "To keep errors of the tip below 1e-3, 1e-4 and 1e-6 it takes 20, 40 and more than 40 linear; 1, 1 and more "
         "than 1 cubic; 1, 1 and 1 quartic elements of equal length.",
         "The number can be reduced to one: one cubic element (9 unknowns, 1 us) is more exact than 20 linear elements "
         "(60 unknowns, 1 us): 2e-5 against 4e-4. Of higher order, one leaves: quartic 1e-7.",
     )
-    told = answer(study_of({(20, 1): 4e-4, (40, 1): 1e-4, (1, 3): 2e-3, (20, 1, 2): 6e-3}))
-    assert told[1].endswith("the best single element, cubic, leaves 2e-3, 20 linear elements leave 4e-4.")
-    assert told[2].endswith("20 leave 6e-3, 15 times what they leave with one.")
-    assert len(told) == 3
+    words = answer(study_of({(20, 1): 4e-4, (40, 1): 1e-4, (1, 3): 2e-3, (20, 1, 2): 6e-3}))
+    assert words[1].endswith("the best single element, cubic, leaves 2e-3, 20 linear elements leave 4e-4.")
+    assert words[2].endswith("20 leave 6e-3, 15 times what they leave with one.")
+    assert len(words) == 3
     arcs = {(20, 1, None, "se2"): 1e-4, (40, 1, None, "se2"): 2.5e-5, (1, 3, None, "strain"): 1e-5}
-    told = answer(study_of({(20, 1): 4e-4, (40, 1): 1e-4, (1, 3): 2e-5, (10, 2): 5e-8} | arcs))
-    assert "leave 0.25 times the error of as many linear ones, 1e-4 for 20;" in told[2]
-    assert "the errors fall with the powers 2.00 and 2.00 of the element length" in told[2]
-    assert "as many unknowns, 0.5 (quadratic-strain) times the error." in told[2]
-    assert "A higher order gains more: 10 quadratic elements, with as many unknowns as 20 SE(2) elements" in told[2]
+    words = answer(study_of({(20, 1): 4e-4, (40, 1): 1e-4, (1, 3): 2e-5, (10, 2): 5e-8} | arcs))
+    assert "leave 0.25 times the error of as many linear ones, 1e-4 for 20;" in words[2]
+    assert "the errors fall with the powers 2.00 and 2.00 of the element length" in words[2]
+    assert "as many unknowns, 0.5 (quadratic-strain) times the error." in words[2]
+    assert "A higher order gains more: 10 quadratic elements, with as many unknowns as 20 SE(2) elements" in words[2]
 
 
 def study_of(errors_by_candidate):
@@ -353,25 +353,25 @@ def test_the_command(tmp_path: Path, capsys, monkeypatch):
     words = ["elements", "--mechanism", "neck.toml", "--loads", "loads.csv", "--tolerance", "1e-7", "--json"]
     assert main([*words, "--out", "here"]) == 0
     out, err = capsys.readouterr()
-    said = json.loads(out)
+    content = json.loads(out)
     assert "NaN" not in out
     assert all(line.startswith("ecm-fast: ") for line in err.splitlines())
     assert "] times of " in err
-    assert said["cases"] == 4
-    assert said["recommended"]["error"] <= 1e-7
-    assert said["recommended"]["mesh"] == "ending at jumps"
-    assert sum(said["recommended"]["shares"]) == pytest.approx(1.0)
-    assert said["sentence"].startswith(f"{said['recommended']['name']}: ")
-    assert said["recommended"]["name"] in said["front"]
+    assert content["cases"] == 4
+    assert content["recommended"]["error"] <= 1e-7
+    assert content["recommended"]["mesh"] == "ending at jumps"
+    assert sum(content["recommended"]["shares"]) == pytest.approx(1.0)
+    assert content["sentence"].startswith(f"{content['recommended']['name']}: ")
+    assert content["recommended"]["name"] in content["front"]
     here = Path("here")
-    assert json.loads((here / "elements.json").read_text()) == {k: v for k, v in said.items() if k != "report"}
+    assert json.loads((here / "elements.json").read_text()) == {k: v for k, v in content.items() if k != "report"}
     header, *rows = (here / "elements.csv").read_text().splitlines()
     assert header.startswith("name,family,order,gauss,mesh,elements,unknowns,error,median,position,")
-    assert len(rows) == len(said["candidates"]) == len(candidates(Mechanism.from_toml("neck.toml")))
+    assert len(rows) == len(content["candidates"]) == len(candidates(Mechanism.from_toml("neck.toml")))
     page = (here / "elements.html").read_text()
-    assert said["sentence"] in page
-    assert all(text in html.unescape(page) for text in said["answer"])
-    assert "SE(2)" in " ".join(said["answer"])
+    assert content["sentence"] in page
+    assert all(text in html.unescape(page) for text in content["answer"])
+    assert "SE(2)" in " ".join(content["answer"])
     assert page.count("<svg") == 2
     maps = (here / "element_error_maps.csv").read_text().splitlines()
     assert maps[0].startswith("lam_l_N,lam_r_N,")

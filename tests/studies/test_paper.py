@@ -71,12 +71,12 @@ FILES = ("report.html", "results.json", "claims.csv")
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory) -> tuple[Reproduction, Path, list[str]]:
-    told: list[str] = []
+    messages: list[str] = []
     folder = tmp_path_factory.mktemp("reproduction") / "made" / "here"
     parts = {name: (what, SMALL.get(name, redo)) for name, (what, redo) in package._PARTS.items()}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(package, "_PARTS", parts)
-        return reproduce(folder, progress=told.append), folder, told
+        return reproduce(folder, progress=messages.append), folder, messages
 
 
 def verdicts(result: Reproduction, word: str) -> list[str]:
@@ -85,11 +85,11 @@ def verdicts(result: Reproduction, word: str) -> list[str]:
 
 def test_all_files_are_there_and_progress_was_told(done) -> None:
     """Contract: the documented files, one line of progress a section."""
-    result, folder, told = done
+    result, folder, messages = done
     names = {*FILES, *(f"{name}.csv" for name in PICTURES)}
     assert {path.name for path in folder.iterdir()} == names
     assert result.report == folder / "report.html"
-    assert told == [what for what, _ in package._PARTS.values()]
+    assert messages == [what for what, _ in package._PARTS.values()]
 
 
 def test_the_results_are_strict_json(done) -> None:
@@ -355,9 +355,9 @@ def test_a_held_neck_buckles_at_a_singular_compliance() -> None:
 
 def test_one_section_and_a_seed_can_be_chosen(tmp_path) -> None:
     """Contract: the files of one section alone."""
-    told: list[str] = []
-    result = reproduce(tmp_path, only=["steel_cantilever"], seed=3, progress=told.append)
-    assert len(told) == 1
+    messages: list[str] = []
+    result = reproduce(tmp_path, only=["steel_cantilever"], seed=3, progress=messages.append)
+    assert len(messages) == 1
     assert set(result.parts) == set(result.numbers) == {"steel_cantilever"}
     assert {path.name for path in tmp_path.iterdir()} == {*FILES, "steel_cantilever.csv"}
 

@@ -434,11 +434,11 @@ def test_two_runs_in_one_process_do_not_write_one_folder(tmp_path: Path) -> None
     def again(done: int, cases: int) -> None:
         with pytest.raises(InputError, match=r"another run is writing it"):
             sweep(SMALL, tmp_path / "a" / ".." / "a")
-        told.append(done)
+        counts.append(done)
 
-    told: list[int] = []
+    counts: list[int] = []
     sweep(SMALL, tmp_path / "a", progress=again)
-    assert len(told) == 7
+    assert len(counts) == 7
     assert sweep(SMALL, tmp_path / "a").solved == 0
 
 
@@ -597,10 +597,10 @@ def test_a_spec_that_cannot_be_is_refused_in_one_line(text: str, complaint: str,
     path.write_text(text)
     with pytest.raises(InputError) as caught:
         sweep(path, tmp_path / "out")
-    said = str(caught.value)
-    assert said.startswith(f"{path}: ")
-    assert complaint in said
-    assert "\n" not in said
+    message = str(caught.value)
+    assert message.startswith(f"{path}: ")
+    assert complaint in message
+    assert "\n" not in message
     assert not (tmp_path / "out").exists()
 
 

@@ -151,17 +151,17 @@ def test_after_a_warm_up_nothing_is_compiled_or_loaded(tmp_path):
 
 def test_the_warm_up_says_what_it_did(capsys, tmp_path):
     """Contract: progress lines and the keys of the JSON."""
-    said = []
-    done = warmup(progress=said.append)
+    messages = []
+    done = warmup(progress=messages.append)
     assert isinstance(done, Warmup)
-    assert said[0] == f"1 of {len(said)}: one solve"
+    assert messages[0] == f"1 of {len(messages)}: one solve"
     assert main(["warmup", "--json", "--out", str(tmp_path)]) == 0
     out, err = capsys.readouterr()
     answer = json.loads(out)
     assert set(answer) == {"seconds", "compiled", "from_cache", "cache"}
     assert (answer["compiled"], answer["from_cache"]) == (0, 0)  # this process has everything
     assert answer["cache"] is None or Path(answer["cache"]).is_dir()
-    assert err.count("\n") == len(said) + 2  # loading the compiler, and what was written
+    assert err.count("\n") == len(messages) + 2  # loading the compiler, and what was written
     assert json.loads((tmp_path / "warmup.json").read_text()) == answer
 
 

@@ -133,7 +133,7 @@ def test_designs():
 
 
 @pytest.mark.parametrize(
-    ("ask", "said"),
+    ("ask", "message"),
     [
         ({"design": "Q"}, "design = 'Q': allowed are T, T1, S, C, M, W, G, B, grid2 to grid100, joined with +"),
         ({"noise": "tail"}, r"noise = 'tail': allowed are white, .*\(did you mean 'tails'\?\)"),
@@ -144,9 +144,9 @@ def test_designs():
         ({"effects": {"precurvature": 1e9}}, "effects.precurvature = 1000000000.0: allowed is"),
     ],
 )
-def test_what_cannot_be_hidden(ask, said):
+def test_what_cannot_be_hidden(ask, message):
     """Contract: the text of the error."""
-    with pytest.raises(InputError, match=f"^{said}"):
+    with pytest.raises(InputError, match=f"^{message}"):
         hide(**ask)
 
 
@@ -162,12 +162,16 @@ def test_a_truth_survives_its_file(tmp_path):
     assert repr(truth) == (
         "<Truth: precurvature = 0.2, slack (in no catalogue) = 9 hidden in design T+S, noise force, seed 3>"
     )
-    for text, said in (("{", "cannot be read as a truth"), ("[]", "no truth; allowed is one object"), (None, "cannot")):
+    for text, message in (
+        ("{", "cannot be read as a truth"),
+        ("[]", "no truth; allowed is one object"),
+        (None, "cannot"),
+    ):
         path = tmp_path / "bad.json"
         path.unlink(missing_ok=True)
         if text is not None:
             path.write_text(text)
-        with pytest.raises(InputError, match=said):
+        with pytest.raises(InputError, match=message):
             Truth.from_json(path)
     (tmp_path / "bad.json").write_text(json.dumps({**json.loads((tmp_path / "truth.json").read_text()), "seed": "x"}))
     with pytest.raises(InputError, match=r"seed = 'x': not what a truth has there$"):
@@ -180,15 +184,15 @@ def test_by_command_the_data_do_not_say_what_is_hidden(tmp_path, capsys):
     assert (
         main([*words, "--seed", "6", "--out", str(tmp_path / "o"), "--truth", str(tmp_path / "t.json"), "--json"]) == 0
     )
-    said = json.loads(capsys.readouterr().out)
-    assert said == {"data": str(tmp_path / "o/sealed.csv"), "truth": str(tmp_path / "t.json"), "rows": 4}
-    truth = Truth.from_json(said["truth"])
+    message = json.loads(capsys.readouterr().out)
+    assert message == {"data": str(tmp_path / "o/sealed.csv"), "truth": str(tmp_path / "t.json"), "rows": 4}
+    truth = Truth.from_json(message["truth"])
     assert truth.effects["side_force"] == 2.0
     assert len(truth.names) == 2
     text = (tmp_path / "o/sealed.csv").read_text()
     assert not [name for name in (*CATALOGUE, *OUTSIDE) if name in text]
     data, _ = hide(effects={"random": None, "side_force": 2.0}, design="grid2", noise="force", seed=6)
-    np.testing.assert_array_equal(read_measurements(said["data"]).pose, data.pose)
+    np.testing.assert_array_equal(read_measurements(message["data"]).pose, data.pose)
 
 
 def test_by_command_a_name_twice(capsys):

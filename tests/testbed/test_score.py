@@ -129,12 +129,12 @@ def test_objects_files_and_the_command(tmp_path, capsys):
 def test_no_answer(tmp_path):
     """Contract: the text of the error."""
     (tmp_path / "bad.json").write_text("{")
-    for bad, said in (
+    for bad, message in (
         (tmp_path / "bad.json", "cannot be read as an answer"),
         (tmp_path / "none.json", "cannot be read as an answer"),
         ({}, r"^result: no answer of diagnose \(KeyError: 'effects'\)$"),
         ({"effects": [{}], "verdict": "named"}, r"^result: no answer of diagnose \(KeyError: 'name'\)$"),
         ({"effects": 3, "verdict": "named"}, "no answer of diagnose"),
     ):
-        with pytest.raises(InputError, match=said):
+        with pytest.raises(InputError, match=message):
             score(bad, BENT)

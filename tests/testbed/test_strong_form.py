@@ -560,7 +560,7 @@ def test_the_seed_makes_the_noise():
 
 
 @pytest.mark.parametrize(
-    ("wrong", "said"),
+    ("wrong", "message"),
     [
         ({"camera_sigma": (1e-4, -1e-4, 1e-3)}, "(0.0001, -0.0001, 0.001): allowed is a finite number >= 0, 3 times"),
         ({"force_gain": (1.0,)}, "(1.0,): allowed is a finite number, 2 times"),
@@ -571,11 +571,11 @@ def test_the_seed_makes_the_noise():
         ({"correlation": True}, "True: allowed is a number from -1 to 1"),
     ],
 )
-def test_instruments_that_cannot_be(wrong, said):
+def test_instruments_that_cannot_be(wrong, message):
     """Contract: the text of the error."""
     with pytest.raises(InputError) as caught:
         Sensors(**wrong)
-    assert str(caught.value) == f"{next(iter(wrong))} = {said}"
+    assert str(caught.value) == f"{next(iter(wrong))} = {message}"
 
 
 # --- experiments
@@ -648,7 +648,7 @@ def test_experiments_in_sequence():
 
 
 @pytest.mark.parametrize(
-    ("ask", "said"),
+    ("ask", "message"),
     [
         (lambda: tendon_test(0), "n = 0: allowed is a whole number > 0"),
         (lambda: tendon_test(3, lam_max=-1.0), "lam_max = -1.0: allowed is a number > 0"),
@@ -659,11 +659,11 @@ def test_experiments_in_sequence():
         (in_sequence, "no experiments to do in sequence; name at least one"),
     ],
 )
-def test_experiments_that_cannot_be(ask, said):
+def test_experiments_that_cannot_be(ask, message):
     """Contract: the text of the error."""
     with pytest.raises(InputError) as caught:
         ask()
-    assert str(caught.value) == said
+    assert str(caught.value) == message
 
 
 def test_a_bad_load_is_named_with_its_row():

@@ -166,7 +166,7 @@ def test_a_file_is_read_and_written_again(tentacle, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("columns", "said"),
+    ("columns", "message"),
     [
         ({"lam_frnt_N": [1.0]}, "column lam_frnt_N: the mechanism has no tendon 'frnt' (did you mean 'front'?)"),
         ({"M4_x_mm": [1.0]}, "column M4_x_mm: the mechanism has no marker 'M4'"),
@@ -177,11 +177,11 @@ def test_a_file_is_read_and_written_again(tentacle, tmp_path):
          "head_z_m, M1_z_m: the other way round than predicted in every row"),
     ],
 )  # fmt: skip
-def test_columns_that_do_not_fit_the_robot_are_refused(tentacle, columns, said):
+def test_columns_that_do_not_fit_the_robot_are_refused(tentacle, columns, message):
     """Contract: one line that names the column or the row, and what is allowed."""
     with pytest.raises(ecm.InputError) as error:
         ecm.identify(tentacle, ecm.Measurements.from_columns(columns), ["E"])
-    assert said in str(error.value)
+    assert message in str(error.value)
 
 
 def test_a_neck_refuses_columns_of_robots():
