@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "DECIMAL_COMMA",
+    "bad_cells",
     "decimal_mark",
     "is_blank",
     "is_number",
@@ -22,6 +23,7 @@ __all__ = [
     "with_point",
 ]
 
+_BAD_CELLS_SHOWN = 5  # enough to see a pattern on one line
 _BLANKS = " \t\xa0"
 _NOTHING = ("", "nan", "-", "--", "n/a", "#n/a", "na", "#nv", "none", "null")
 """Words for no number, in small letters; #N/A and #NV are Excel's."""
@@ -140,3 +142,11 @@ def shown(cell: object) -> str:
     """Return a cell as an error shows it."""
     text = repr(cell) if isinstance(cell, str) else " ".join(repr(cell).split())
     return text if len(text) <= 40 else f"{text[:36]} ..."
+
+
+def bad_cells(bad: Sequence[tuple[int, str]]) -> str:
+    """Return one line on bad cells, each with its row and what is wrong with it: the first of the file."""
+    first = [text for _, text in sorted(bad, key=lambda entry: entry[0])[:_BAD_CELLS_SHOWN]]
+    count = f"{len(bad)} bad cells: " if len(bad) > 1 else ""
+    rest = len(bad) - len(first)
+    return f"{count}{'; '.join(first)}{f'; and {rest} more' if rest else ''}"

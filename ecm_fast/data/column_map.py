@@ -1,5 +1,6 @@
 """Meanings of a file's columns, told beside it: a small TOML file, or words such as ``"F_left [N]=lam_l_N"``."""
 
+import math
 import os
 import re
 import tomllib
@@ -13,15 +14,22 @@ from ..files import read_whole, write_whole
 from .columns import column_of, foreign, is_known, is_note, unit_in
 from .grid import Layout
 
-__all__ = ["NOTE", "REST", "ColumnMap", "Told", "told_as"]
+__all__ = ["NOTE", "REST", "ZEROED", "ColumnMap", "Told", "told_as"]
 
 NOTE = "note"
 """Name of a column that is ignored."""
 REST = "*"
 """Stands for every column of a file that the map does not name."""
 _TOLD = re.compile(r"(?:(?P<minus>-)|(?P<factor>[+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*\*)?\s*(?P<name>.+)")
-_KEYS = ("columns", "decimal", "header", "sheet")
-_KINDS: Mapping[str, tuple[type, str]] = {"columns": (dict, "a table"), "header": (int, "a line number")}
+ZEROED = ("first", "session", "unloaded")
+"""Poses that are zero by convention: of the first row, of the first row of each session, without any load."""
+_LAYOUT = ("decimal", "header", "sheet")
+_KEYS = ("columns", *_LAYOUT, "zeroed", "slack")
+_KINDS: Mapping[str, tuple[type | tuple[type, ...], str]] = {
+    "columns": (dict, "a table"),
+    "header": (int, "a line number"),
+    "slack": ((int, float), "a number of newtons"),
+}
 
 
 class Told(NamedTuple):
@@ -41,10 +49,16 @@ class ColumnMap:
         numbers need one: ``-z_mm``, ``12.5*lam_l_N``; ``note`` for a column that is ignored. A column without a name
         goes by its place, from 1 on, and ``*`` stands for all that are not named.
     layout : what is told of the file's layout
+    zeroed : "first", "session" or "unloaded" where poses are relative to that of the first row, of the first row of
+        each session, or of the neck without any load; empty where they are relative to the clamp
+    slack : force [N] up to which the reading of a cell, either side of zero, is that of a slack tendon, which pulls
+        nothing whatever its cell's zero is; None where small readings are readings
     """
 
     columns: Mapping[str, str]
     layout: Layout = field(default_factory=Layout)
+    zeroed: str = ""
+    slack: float | None = None
 
     def __post_init__(self) -> None:
         for name, told in self.columns.items():
@@ -56,6 +70,10 @@ class ColumnMap:
                 raise InputError(f"{shown(name)} = {shown(told)}: {error}") from None
         if self.layout.decimal not in ("", ".", ","):
             raise InputError(f"decimal = {shown(self.layout.decimal)}: allowed is ',' or '.'")
+        if self.zeroed not in ("", *ZEROED):
+            raise InputError(f"zeroed = {shown(self.zeroed)}: allowed is {', '.join(ZEROED)}")
+        if self.slack is not None and not 0.0 <= self.slack < math.inf:
+            raise InputError(f"slack = {shown(self.slack)}: allowed is a number of newtons >= 0")
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Self:
@@ -87,7 +105,8 @@ class ColumnMap:
         for name, told in columns.items():
             if not isinstance(told, str):
                 raise InputError(f'columns.{name} = {shown(told)}: allowed is text, such as "lam_l_N"')
-        return cls(columns, Layout(**{key: content[key] for key in _KEYS[1:] if key in content}))
+        layout = Layout(**{key: content[key] for key in _LAYOUT if key in content})
+        return cls(columns, layout, content.get("zeroed", ""), content.get("slack"))
 
     @classmethod
     def of(cls, given: "ColumnMap | Mapping[str, str] | str | os.PathLike[str] | None") -> "ColumnMap | None":
@@ -108,8 +127,10 @@ class ColumnMap:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the map as plain values."""
-        layout = {key: value for key in _KEYS[1:] if (value := getattr(self.layout, key))}
-        return {**layout, "columns": dict(self.columns)}
+        told: dict[str, Any] = {key: value for key in _LAYOUT if (value := getattr(self.layout, key))}
+        told |= {"zeroed": self.zeroed} if self.zeroed else {}
+        told |= {} if self.slack is None else {"slack": self.slack}
+        return {**told, "columns": dict(self.columns)}
 
     def to_toml(
         self, path: str | os.PathLike[str], comment: str = "", reasons: Mapping[str, str] | None = None
@@ -170,8 +191,8 @@ def told_as(text: str) -> Told:
     return Told(name, scale)
 
 
-def _quoted(value: str | int) -> str:
-    if isinstance(value, int):
+def _quoted(value: str | float) -> str:
+    if isinstance(value, (int, float)):
         return str(value)
     body = value.replace("\\", "\\\\").replace('"', '\\"')
     return '"' + "".join(letter if letter.isprintable() else f"\\u{ord(letter):04x}" for letter in body) + '"'

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, did_you_mean
 from ..files import csv_text, write_whole
+from .cells import bad_cells
 from .column_map import NOTE, ColumnMap, Told
 from .columns import CHANNELS, COLUMNS, PAIR, column_of, is_note, is_other, match
 from .grid import RawTable
@@ -20,8 +21,6 @@ __all__ = ["Measurements", "read_measurements"]
 
 Floats = NDArray[np.float64]
 Labels = NDArray[np.str_]
-
-_BAD_CELLS_SHOWN = 5  # enough to see a pattern on one line
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -44,6 +43,7 @@ class Measurements:
     named : readings of named tendons and markers by their quantity, ``lam_front``, ``len_front``, ``M1_x``,
         ``sigma_M1_x``, nan where not given [N, m, m or rad]
     ignored : columns of the file that are none of ours
+    zeroed, slack : as in `ColumnMap`; `zeroed` is "added" or "added by session" once the rest pose has been added
     """
 
     lam_l: Floats
@@ -71,6 +71,8 @@ class Measurements:
     counted: str
     named: Mapping[str, Floats] = field(default_factory=dict)
     ignored: tuple[str, ...] = ()
+    zeroed: str = ""
+    slack: float = np.nan
 
     def __post_init__(self) -> None:
         for array in (*(getattr(self, name) for name in _ARRAYS), *self.named.values()):
@@ -138,6 +140,11 @@ class Measurements:
         """Return the lengths of tendons whose forces are not given, (n, m) [m], nan for the others."""
         given = [self.named.get(f"len_{name}", np.full(self.n, np.nan)) for name in names]
         return np.where(np.isnan(self.forces(names)), np.column_stack(given), np.nan)
+
+    @property
+    def hanging(self) -> NDArray[np.bool_]:
+        """Tendons that hang slack, (n, 2): their reading is 0, and `slack` is told."""
+        return np.asarray((self.lam == 0.0) & np.isfinite(self.slack))
 
     @property
     def measured(self) -> NDArray[np.bool_]:
@@ -302,8 +309,9 @@ def _joined(parts: Sequence[Measurements], source: str) -> Measurements:
     columns = {column_of(name)[0].name: name for part in reversed(parts) for name in part.columns}
     ignored = tuple(dict.fromkeys(name for part in parts for name in part.ignored))
     rows = np.arange(1, sum(part.n for part in parts) + 1)
+    zeroed = {"first": "session"}.get(parts[0].zeroed, parts[0].zeroed)  # each file by its own first row
     return Measurements(**arrays, rows=rows, columns=tuple(columns.values()), source=source, counted="row", named=named,
-                        ignored=ignored)  # fmt: skip
+                        ignored=ignored, zeroed=zeroed, slack=parts[0].slack)  # fmt: skip
 
 
 def _checked(table: RawTable, told: ColumnMap | None = None) -> dict[str, Any]:
@@ -328,19 +336,15 @@ def _checked(table: RawTable, told: ColumnMap | None = None) -> dict[str, Any]:
     named: dict[str, Floats] = {}
     for (name, cells, own), (column, unit) in zip(kept, matched, strict=True):
         place: dict[str, Any] = arrays if column.name in COLUMNS else named
+        slack = told.slack if told and column.name in ("lam_l", "lam_r") else None
+        column = column if slack is None else replace(column, lower=-slack)
         values, wrong = column.numbers(cells, unit, own.scale) if unit else column.labels(cells)
-        place[column.name] = values
+        place[column.name] = values if slack is None else np.where(np.abs(values) <= slack, 0.0, values)
         bad += [(i, f"{table.counted} {table.rows[i]}, column {name}: {text}") for i, text in wrong.items()]
     if bad:
-        raise InputError(_bad_cells(bad))
+        raise InputError(bad_cells(bad))
     rows = np.array(table.rows, dtype=np.int64)
     columns = tuple(own.name for _, _, own in kept)
     return {**arrays, "rows": rows, "columns": columns, "counted": table.counted, "named": named,
-            "ignored": tuple(ignored)}  # fmt: skip
-
-
-def _bad_cells(bad: list[tuple[int, str]]) -> str:
-    shown = [text for _, text in sorted(bad, key=lambda entry: entry[0])[:_BAD_CELLS_SHOWN]]
-    count = f"{len(bad)} bad cells: " if len(bad) > 1 else ""
-    rest = len(bad) - len(shown)
-    return f"{count}{'; '.join(shown)}{f'; and {rest} more' if rest else ''}"
+            "ignored": tuple(ignored), "zeroed": told.zeroed if told else "",
+            "slack": np.nan if told is None or told.slack is None else told.slack}  # fmt: skip

@@ -76,7 +76,7 @@ def propose(table: RawTable, told: ColumnMap) -> list[Guess]:
     ]
     guesses = _paired(_numbered(guesses))
     values = _values(table, guesses)
-    guesses = _signed([_sized(guess, values) for guess in guesses], values)
+    guesses = _signed([_sized(guess, values, told.zeroed) for guess in guesses], values)
     return [
         Guess(one.name, told.columns[one.name], "", "it is told so") if one.name in told.columns else one
         for one in guesses
@@ -209,7 +209,7 @@ def _values(table: RawTable, guesses: list[Guess]) -> dict[str, Floats]:
     return values
 
 
-def _sized(guess: Guess, values: dict[str, Floats]) -> Guess:
+def _sized(guess: Guess, values: dict[str, Floats], zeroed: str) -> Guess:
     """Ask about numbers that are of another size, or of another sign, than the quantity has."""
     quantity = _quantity(guess) if guess.told else ""
     own = values.get(quantity)
@@ -218,17 +218,20 @@ def _sized(guess: Guess, values: dict[str, Floats]) -> Guess:
     least, most = float(np.nanmin(own)), float(np.nanmax(own))
     if quantity.startswith("lam_") and most <= 0.0 and least < 0.0:
         return _doubted(replace(guess, told=f"-{guess.told}"), "its sign: all are negative")
+    if quantity == "x" and zeroed:
+        return guess
     if quantity == "x" and most < 0.0:
         return _doubted(replace(guess, told=f"-{guess.told}"), "its sign: all are negative")
     if quantity == "x" and not _REACH[0] <= float(np.nanmedian(np.abs(own))) <= _REACH[1]:
-        return _doubted(guess, f"its unit, or where x begins: {1e3 * least:.4g} to {1e3 * most:.4g} mm")
+        words = "its unit, or where x begins (zeroed at rest? say --zeroed first, session or unloaded)"
+        return _doubted(guess, f"{words}: {1e3 * least:.4g} to {1e3 * most:.4g} mm")
     if quantity == "x" and (least < 0.0 or most - least > _SWING * most):
         return _doubted(guess, "whether x is along the neck: it changes much")
     if quantity == "x" and "z" in values and _larger(values["z"], own):
         return _doubted(guess, "whether x is along the neck: z is larger")
     if quantity == "theta" and max(-least, most) > _FEW_TURNS:
         return _doubted(guess, f"its unit: up to {math.degrees(max(-least, most)):.4g} degrees")
-    if quantity == "theta" and {"x", "z"} <= values.keys() and not _bends(values):
+    if quantity == "theta" and {"x", "z"} <= values.keys() and not zeroed and not _bends(values):
         return _doubted(guess, "its unit: the angle does not go with z / x")
     return guess
 

@@ -18,6 +18,7 @@ from ..mechanism.vector import pack
 from ..models.body import divide
 from ..models.instruments.checks.checks import faults
 from ..models.instruments.checks.finding import Finding
+from ..models.instruments.rest_pose import absolute, free_origins
 from .fit import WeightedFit
 from .least_squares import Loss
 from .noise import check_force_sigma
@@ -77,7 +78,8 @@ def identify(
     Rows that repeat an earlier one to the last digit count once. A reading's noise is what its sigma column declares;
     else the scatter of rows with the same ``pose_id``; else what the fit leaves, by channel and experiment, see
     `variance_components`. `Identification.noise` says which. From what a fit leaves of fewer than 3 rows no interval is
-    taken: it is infinite, and a warning says why.
+    taken: it is infinite, and a warning says why. Where poses are zeroed at rest, see `ColumnMap`, the origin of every
+    channel is fitted along.
 
     Examples
     --------
@@ -87,15 +89,18 @@ def identify(
     True
     """
     wanted, sets = _experiments(mechanism, data, names, channels)
+    sets = [replace(entry, data=absolute(entry.mechanism, entry.data)) for entry in sets]
+    origins = free_origins([entry.counted for entry in sets])
     found, known = _faults(sets, wanted), {*wanted} <= {*STIFFNESSES}
     if known:
         _refuse(sets, found)
     sets = _without_repeats(sets)
-    fit = fit_parameters(sets, wanted, priors=priors, loss=loss, loss_scale=loss_scale, force_sigma=force_sigma,
+    fitted = [*wanted, *(key for key in origins if index(key) not in map(index, wanted))]
+    fit = fit_parameters(sets, fitted, priors=priors, loss=loss, loss_scale=loss_scale, force_sigma=force_sigma,
                          level=level, elements=elements, order=order)  # fmt: skip
     if any(finding.certain or finding.kind == "unexplained" for part in found for finding in part):
-        fitted = zip(sets, fit.mechanisms, strict=True)
-        found = _faults([replace(entry, mechanism=built) for entry, built in fitted], wanted)
+        built = zip(sets, fit.mechanisms, strict=True)
+        found = _faults([replace(entry, mechanism=one) for entry, one in built], wanted)
         _refuse(sets, found)
     several = len(sets) > 1
     texts = (f"{entry.data.source}: {finding}" if several else str(finding)

@@ -29,6 +29,7 @@ from ..identification.noise import check_force_sigma
 from ..mechanism.mechanism import Mechanism
 from ..models.instruments.checks.checks import check
 from ..models.instruments.prediction import predict
+from ..models.instruments.rest_pose import absolute, free_origins
 
 __all__ = ["Study", "diagnose", "plan"]
 
@@ -73,18 +74,20 @@ class Study:
         if self.max_effects not in (0, 1, 2):
             raise InputError(f"max_effects = {shown(self.max_effects)}: allowed is 0, 1 or 2")
         check_force_sigma(self.force_sigma)
-        if not self.parts:
+        if not isinstance(self.data, Measurements) and not self.data:
             raise InputError("no measurements; a study takes at least one set")
 
     @cached_property
     def parts(self) -> tuple[Measurements, ...]:
-        """The sets of measurements."""
-        return (self.data,) if isinstance(self.data, Measurements) else tuple(self.data)
+        """The sets of measurements, poses relative to the clamp."""
+        given = (self.data,) if isinstance(self.data, Measurements) else self.data
+        return tuple(absolute(self.mechanism, part) for part in given)
 
     @cached_property
     def tests(self) -> tuple[Measurements, ...]:
-        """The sets of measurements that are never fitted."""
-        return (self.test,) if isinstance(self.test, Measurements) else tuple(self.test)
+        """The sets of measurements that are never fitted, poses relative to the clamp."""
+        given = (self.test,) if isinstance(self.test, Measurements) else self.test
+        return tuple(absolute(self.mechanism, part) for part in given)
 
     @cached_property
     def fitted(self) -> tuple[Measurements, ...]:
@@ -143,7 +146,8 @@ class Study:
 
     def problem(self, data: Sequence[Measurements] | None = None, progress: Progress | None = None) -> Problem:
         """Return what the diagnosis works on."""
-        uncertain = uncertain_parameters(self.uncertain)
+        free = dict.fromkeys(free_origins([*self.parts, *self.tests]), np.inf)
+        uncertain = {**free, **uncertain_parameters(self.uncertain)}
         candidates = [entry for entry in chosen(self.candidates, self.mechanism) if entry.keys[0] not in uncertain]
         parts = self.fitted if data is None else tuple(data)
         return Problem(self.mechanism, parts, candidates, uncertain, self.priors,

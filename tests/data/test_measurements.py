@@ -42,7 +42,7 @@ def refused(read: Any, tmp_path: Path) -> Any:
 def test_the_fields_are_the_declared_columns() -> None:
     """Contract: one field a declared column."""
     names = [entry.name for entry in fields(Measurements)]
-    assert names == [*COLUMNS, "rows", "columns", "source", "counted", "named", "ignored"]
+    assert names == [*COLUMNS, "rows", "columns", "source", "counted", "named", "ignored", "zeroed", "slack"]
 
 
 def test_a_file_in_millimeters_and_degrees(read: Any, tmp_path: Path) -> None:

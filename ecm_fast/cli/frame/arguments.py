@@ -3,6 +3,7 @@
 import argparse
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from ... import __version__
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "add_columns",
+    "add_conventions",
     "add_model",
     "add_noise",
     "add_path",
@@ -32,8 +34,8 @@ __all__ = [
     "numbers_by_name",
     "parse",
     "priors_by_name",
-    "renamed",
     "tension",
+    "told",
 ]
 
 
@@ -139,6 +141,15 @@ def add_columns(parser: argparse.ArgumentParser) -> None:
     """Let a command be told what the columns of its measurements mean."""
     parser.add_argument("--columns", metavar="MAP", help="what the columns mean (TOML), as 'ecm-fast import' writes it")
     add_rename(parser)
+    add_conventions(parser)
+
+
+def add_conventions(parser: argparse.ArgumentParser) -> None:
+    """Let a command be told in which conventions measurements are taken."""
+    parser.add_argument("--zeroed", metavar="AT", help="poses are relative to the pose at rest: of the 'first' row, of "
+                        "the first row of each 'session', or without any load, 'unloaded'")  # fmt: skip
+    parser.add_argument("--slack", type=finite_number, metavar="N", help="tendon forces whose reading is at most this "
+                        "hang slack: they pull nothing, whatever their cell's zero")  # fmt: skip
 
 
 def add_rename(parser: argparse.ArgumentParser) -> None:
@@ -157,15 +168,16 @@ def column_map(args: argparse.Namespace) -> "ColumnMap | None":
     """Return what the arguments of `add_columns` say of columns, None where they say nothing."""
     from ...data.column_map import ColumnMap
 
-    if args.columns is None and not args.rename:
+    if args.columns is None and not args.rename and args.zeroed is None and args.slack is None:
         return None
-    return renamed(ColumnMap({}) if args.columns is None else ColumnMap.from_toml(args.columns), args.rename)
+    return told(ColumnMap({}) if args.columns is None else ColumnMap.from_toml(args.columns), args)
 
 
-def renamed(given: "ColumnMap", words: list[str]) -> "ColumnMap":
-    """Return a map with what the words of `add_rename` say."""
+def told(given: "ColumnMap", args: argparse.Namespace) -> "ColumnMap":
+    """Return a map with what the arguments of `add_rename` and `add_conventions` say."""
+    said = {name: value for name in ("zeroed", "slack") if (value := getattr(args, name)) is not None}
     try:
-        return given.with_words(words)
+        return replace(given, **said).with_words(args.rename)
     except InputError as error:
         raise InputError(f"argument --rename: {error}") from None
 

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...errors import InputError
-from ..frame.arguments import add_rename, renamed
+from ..frame.arguments import add_conventions, add_rename
+from ..frame.arguments import told as told_by
 from ..frame.command import BAD_INPUT, Answer, Command, folder
 from ..frame.terminal import write
 
@@ -23,6 +24,7 @@ __all__ = ["COMMAND"]
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", nargs="+", metavar="FILE", help="measurements, all with the same columns")
     add_rename(parser)
+    add_conventions(parser)
     parser.add_argument("--map", default="map.toml", metavar="MAP", help="file to write; default map.toml")
     parser.add_argument("--decimal", default="", choices=[",", "."], help="mark of decimals, where it is not clear")
     parser.add_argument("--header", type=int, default=0, metavar="N", help="line that names the columns")
@@ -44,7 +46,7 @@ def _run(args: argparse.Namespace) -> Answer:
     files = [each for file in args.files for each in (files_of(file) if is_pattern(file) else [file])]
     try:
         table = read_table(files[0], layout, bare=True)
-        told = renamed(ColumnMap({}, layout), args.rename)
+        told = told_by(ColumnMap({}, layout), args)
         guesses = propose(table, told)
     except InputError as error:
         raise InputError(f"{files[0]}: {error}") from None

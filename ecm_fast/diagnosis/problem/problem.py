@@ -15,6 +15,7 @@ from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find, index
 from ...mechanism.vector import pack
+from ...models.instruments.rest_pose import ADDED_BY_SESSION
 from ..statistics.priors import ROUGHLY, Priors
 from ..statistics.robust_noise import RowOrder
 from .candidates import EffectCandidate
@@ -146,7 +147,8 @@ class Problem:
         whitening = noise.whitening(np.where(np.isfinite(sigma), sigma, 1.0), state, used)
         dpose_dlam = np.where(used[:, :, None], np.nan_to_num(state.dpose_dlam), 0.0)
         by_camera = np.where(used, np.nan_to_num(sigma), 0.0)[:, :, None] * np.eye(3)
-        hidden = [self._near_zero(noise.force, dpose_dlam), self._drift(noise.force, dpose_dlam, by_camera)]
+        hidden = [self._near_zero(noise.force, dpose_dlam), self._drift(noise.force, dpose_dlam, by_camera),
+                  self._zeros(by_camera)]  # fmt: skip
         build = self._build(state, used, names)
         return Weights(whitening, sigma, whitening @ np.concatenate(hidden, axis=2), whitening @ build)
 
@@ -156,6 +158,17 @@ class Problem:
         near = force[:, None] * (lam < _NEAR_ZERO * force[:, None]) * _ZERO_SHIFT
         shift: Array = (dpose_dlam * near[:, None, :]).sum(axis=2, keepdims=True)
         return shift if near.any() else shift[:, :, :0]
+
+    def _zeros(self, by_camera: Array) -> Array:
+        """Return what the noise of the readings adds that poses are zeroed by, each file or session its own, (n, 3, s).
+
+        One alone is an origin, which is calibrated.
+        """
+        sessions = any(part.zeroed == ADDED_BY_SESSION for part in self.data)
+        apart = self.run if sessions else self.rows.member
+        if not self.data[0].zeroed or apart.max() == 0:
+            return by_camera[:, :, :0]
+        return np.concatenate([by_camera * (apart == k)[:, None, None] for k in range(apart.max() + 1)], axis=2)
 
     def _build(self, state: State, used: Mask, names: Sequence[str]) -> Array:
         """Return what each dimension does that is off by its tolerance, (n, 3, b)."""

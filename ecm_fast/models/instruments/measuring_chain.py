@@ -5,6 +5,7 @@ In order: what a row changes on the test bed, what it inherits from the rows bef
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,9 @@ CHANGES = {"tilt": "gravity_tilt", "extra_mass": "effects.head_mass"}
 
 _CAMERA = [index(entry.key) for effect in CATALOGUE.values() if effect.enters == "camera" for entry in effect]
 _INHERITED = {PARAMETERS[place].key for place in (*TARGETS, PLACES.beam_length, PLACES.effects_beam_length)}
+_CELLS = ("effects.force_zero", "effects.force_zero_asymmetry", "effects.force_crosstalk")
+"""Parameters by which a cell that reads 0 makes a force, which a tendon that hangs slack has not."""
+_PLACES_OF_CELLS = [index(key) for key in _CELLS]
 _STEP = 1e-100  # of the complex step
 _WITHOUT_MEMORY = 1e-14  # squared last Newton step of the solution that the history follows
 
@@ -83,6 +87,7 @@ class MeasuringChain:
         self._only = slice(None) if only is None else only
         self._all_loads = data.lam, data.wrench
         self._loads = data.lam[self._only], data.wrench[self._only]
+        self._hanging = data.hanging[self._only]
         self._followed: tuple[Array, History] | None = None
 
     @property
@@ -104,7 +109,9 @@ class MeasuringChain:
         if is_on_path(par):
             rows = self._each(par, by_row)
             self._history(par, by_row).apply(rows, self._only)
-            return rows
+            return np.asarray(self._hung(rows))
+        if self._hanging.any() and par[_PLACES_OF_CELLS].any():
+            return np.asarray(self._hung(self._each(par, by_row)))
         return par[None].copy() if by_row is None else by_row[self._only]
 
     def solve(self, par: Array, step_tol2: float, threads: int = 1) -> tuple[Array, NDArray[np.int64], Array]:
@@ -139,7 +146,8 @@ class MeasuringChain:
         """
         keys = [find(name).key for name in names]
         own_path = on_path()
-        touched = _INHERITED | own_path.keys() if is_on_path(par) else own_path.keys()
+        hung = {*_CELLS} if self._hanging.any() else set()
+        touched = hung | (_INHERITED | own_path.keys() if is_on_path(par) else own_path.keys())
         inherited = [key for key in keys if key in touched]
         rows, changes = self.rows(par), {}
         if inherited:
@@ -149,6 +157,8 @@ class MeasuringChain:
         ]
         asked = [*dict.fromkeys([*(key for key in keys if key not in own_path), *targets])]
         found = sensitivities(self.mesh, asked, rows, *self._loads, step_tol2)
+        if hung:
+            found = replace(found, jacobian=np.where(self._hanging[:, None, :], 0.0, found.jacobian))
         self._see(rows, asked, found, always=bool(rows[:, _CAMERA].any()))
         if inherited:
             dpose = {key: found.dpose_dpar[:, :, i] for i, key in enumerate(asked)}
@@ -159,6 +169,17 @@ class MeasuringChain:
     def _each(self, par: Array, by_row: Array | None) -> Array:
         """Return a vector for each row that is read, (n, n_parameters); `own`, where there are any, are of all rows."""
         return np.tile(par, (self.n, 1)) if by_row is None else by_row[self._only].copy()
+
+    def _hung(self, rows: Any) -> Any:
+        """Turn rows (n, n_parameters), real or complex, so that a slack tendon pulls nothing; returns them."""
+        if not self._hanging.any():
+            return rows
+        zero, apart, crosstalk = _PLACES_OF_CELLS
+        left, right = rows[:, zero] + 0.5 * rows[:, apart], rows[:, zero] - 0.5 * rows[:, apart]
+        left, right = np.where(self._hanging[:, 0], 0.0, left), np.where(self._hanging[:, 1], 0.0, right)
+        rows[:, zero], rows[:, apart] = 0.5 * (left + right), left - right
+        rows[self._hanging.any(axis=1), crosstalk] = 0.0
+        return rows
 
     def _history(self, par: Array, by_row: Array | None) -> History:
         """Follow the same mechanism without effects of the path along the record; the last one is remembered."""
@@ -180,12 +201,16 @@ class MeasuringChain:
     def _changes(self, par: Array, keys: Sequence[str]) -> dict[str, dict[int, Array]]:
         """Return how the rows' entries depend on the mechanism's: for each key the places and their slopes, (n,)."""
         by_row = row_parameters(par, self.data)
-        history, base = self._history(par, by_row), self._each(par, by_row)
+        base = self._each(par, by_row)
+        followed = is_on_path(par) or any(key in on_path() for key in keys)
+        history = self._history(par, by_row) if followed else None
         changes = {}
         for key in keys:
             rows: Complex = base.astype(complex)
             rows[:, index(key)] += 1j * _STEP
-            history.apply(rows, self._only)
+            if history is not None:
+                history.apply(rows, self._only)
+            self._hung(rows)
             if key in on_path():  # it acts through other entries alone
                 rows[:, index(key)] = base[:, index(key)]
             changes[key] = {int(i): rows[:, i].imag / _STEP for i in np.flatnonzero(rows.imag.any(axis=0))}

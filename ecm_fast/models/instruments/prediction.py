@@ -21,6 +21,7 @@ from ..equilibrium import Status
 from ..loads import MIN_TOLERANCE, last_step
 from .checks.checks import faults
 from .mesh_choice import mesh_for
+from .rest_pose import absolute
 from .robot_chain import chain_of
 
 __all__ = ["Prediction", "predict"]
@@ -38,7 +39,7 @@ class Prediction:
         measurements name; nan where no equilibrium was found
     status : (n,) values of `Status`
     load_factor : (n,) how much of the load the stable branch carries, see `Equilibrium`
-    data : the measurements
+    data : the measurements, relative to the clamp: to poses that are zeroed at rest the model's rest pose is added
     mechanism : that was predicted
     unresolved : (n,) where no discretization was fine enough for the noise, see `mesh_choice.mesh_for`
     channels : names of what is predicted
@@ -150,6 +151,7 @@ def predict(
     ------
     InputError : a row's tilt or extra mass leaves the bounds of the parameter it adds to; names the row.
     """
+    data = absolute(mechanism, data)
     par, excess = pack(mechanism), np.zeros(data.n)
     if elements is None and order is None:
         mesh, excess = mesh_for(mechanism, data)

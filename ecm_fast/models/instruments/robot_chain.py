@@ -288,4 +288,6 @@ def chain_of(
     """Return the measuring chain of a mechanism: of a neck without markers the quick one, with its effects."""
     if mechanism.has_pair and not data.named and channels in (None, CHANNELS):
         return MeasuringChain(Discretization.from_elements(1) if mesh is None else mesh, data, only)
+    if data.hanging.any():
+        raise InputError(f"{data.source}: slack = {data.slack:g} is understood of a neck alone, without markers")
     return RobotChain(mechanism, data, mesh, only, channels)

@@ -133,6 +133,7 @@ class _Sentences:
         far = abs(value) > (_FAR[1] if name == "theta" else _FAR[0] * self.mechanism.beam.length)
         sentence = f"{column}: the readings lie {1e3 * value:+.4g} {unit} from the model once calibrated"
         cure = f"{where}: take {1e3 * value:.4g} {unit} off"
+        cure += ', or tell it: zeroed = "first", "session" or "unloaded", --zeroed' * ("at rest," in where)
         if far:
             return [Finding("origin", (), sentence, cure, True)]
         if abs(value) < _CAMERA[channel]:
