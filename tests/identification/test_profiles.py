@@ -87,7 +87,7 @@ def test_what_no_profile_can_be():
 
 
 @pytest.mark.parametrize("division", [(1, 5), (ALIGNED, 4), (9, 1)], ids=["element", "aligned", "chain"])
-def test_the_fast_paths_meet_the_robust_solver(division):
+def test_the_fast_paths_meet_the_general_path(division):
     """Another method: the general path."""
     model = FiniteElementModel(Mechanism().replace(**TAPER, **SPOT), *division)
     lam = np.random.default_rng(3).uniform(0.0, 160.0, (20, 2))

@@ -27,12 +27,13 @@ def turn(angle):
 
 
 @pytest.mark.parametrize("angle", [1e-3, -0.4, 1.0, np.pi / 2.0, np.pi, -2.5])
-def test_the_whole_test_bed_turned(angle):
+@pytest.mark.parametrize("family", [("lagrange", 2, 5), ("se2", 3, 1), ("strain", 2, 1), ("strain", 2, 4)])
+def test_the_whole_test_bed_turned(family, angle):
     """Frame indifference: clamp, gravity, pulleys and wrench turned together turn the solution, and nothing else.
 
     Positive angles turn e_x to (cos a, -sin a), but gravity_tilt turns -e_x the other way.
     """
-    straight = neck()
+    (name, elements, order), straight = family, neck()
     beds, effects = straight.tendons, straight.effects
     left = [beds.pulley_x + effects["pulley_height_asymmetry"] / 2.0, beds.pulley_z + effects["pulley_shift"], 0.0]
     right = [beds.pulley_x - effects["pulley_height_asymmetry"] / 2.0, -beds.pulley_z + effects["pulley_shift"], 0.0]
@@ -45,8 +46,8 @@ def test_the_whole_test_bed_turned(angle):
         pulley_spacing=(l_z - r_z) / 2.0 - beds.pulley_z,
         pulley_shift=(l_z + r_z) / 2.0,
     )
-    one = FiniteElementModel(straight, 2, 5).solve(LAM, WRENCH).raise_if_failed()
-    other = FiniteElementModel(turned, 2, 5).solve(LAM, turn(angle) @ WRENCH).raise_if_failed()
+    one = FiniteElementModel(straight, elements, order, family=name).solve(LAM, WRENCH).raise_if_failed()
+    other = FiniteElementModel(turned, elements, order, family=name).solve(LAM, turn(angle) @ WRENCH).raise_if_failed()
     shape = one.shape(9) @ turn(angle).T + [0.0, 0.0, angle]
     # coordinates of 0.1 m and loads of 200 N, rounded to 1e-16 of themselves, on a compliance of 1e-2 rad/N
     np.testing.assert_allclose(other.shape(9), shape, rtol=0.0, atol=1e-12)
