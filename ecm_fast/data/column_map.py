@@ -20,7 +20,7 @@ NOTE = "note"
 """Name of a column that is ignored."""
 REST = "*"
 """Stands for every column of a file that the map does not name."""
-_TOLD = re.compile(r"(?:(?P<minus>-)|(?P<factor>[+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*\*)?\s*(?P<name>.+)")
+_TOLD = re.compile(r"(?:(?P<factor>[+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*\*|(?P<minus>-))?\s*(?P<name>.+)")
 ZEROED = ("first", "session", "unloaded")
 """Poses that are zero by convention: of the first row, of the first row of each session, without any load."""
 _LAYOUT = ("decimal", "header", "sheet")

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, did_you_mean
-from .cells import is_blank, is_number, is_time, shown
+from .cells import is_blank, is_number, is_time, number, shown, with_point
 from .column_map import NOTE, REST, ColumnMap, told_as
 from .columns import COLUMNS, column_of, is_known, is_note
 from .grid import RawTable
@@ -77,10 +77,16 @@ def propose(table: RawTable, told: ColumnMap) -> list[Guess]:
     guesses = _paired(_numbered(guesses))
     values = _values(table, guesses)
     guesses = _signed([_sized(guess, values, told.zeroed) for guess in guesses], values)
-    return [
-        Guess(one.name, told.columns[one.name], "", "it is told so") if one.name in told.columns else one
-        for one in guesses
-    ]
+    return [_told(one, told) for one in guesses]
+
+
+def _told(guess: Guess, told: ColumnMap) -> Guess:
+    """Return what is told of a column, else what is guessed."""
+    if guess.name in told.columns:
+        return replace(guess, told=told.columns[guess.name], doubt="", because="it is told so")
+    if REST in told.columns and guess.doubt:
+        return replace(guess, told=NOTE, doubt="", because="all others are told to be")
+    return guess
 
 
 def _guess(name: str, cells: Sequence[object]) -> Guess:
@@ -125,7 +131,9 @@ def _of_numbers(name: str, cells: Sequence[object]) -> Guess:
     column = COLUMNS.get({"y": "z", "fy": "fz", "lam": "lam_l"}.get(said.quantity, said.quantity))
     if column is None:
         what = f"in {said.written}" if said.written else "without a unit"
-        return Guess(name, "", f"what it is: numbers {what}", "no word of its name is known")
+        values = [value for cell in cells if math.isfinite(value := number(with_point(cell)))]
+        seen = f"{min(values):.4g} to {max(values):.4g} {what}" if values else what
+        return Guess(name, "", f"what it is, {seen}", "no word of its name is known")
     unit = {"g": "gf", "kg": "kgf"}.get(said.unit, said.unit) if column.name.startswith("lam_") else said.unit
     doubts = list[str]()
     if unit not in column.units:
@@ -159,6 +167,10 @@ def _listed(words: Sequence[str]) -> str:
 def _numbered(guesses: list[Guess]) -> list[Guess]:
     """Propose two forces of tendons not told which as left and right, in their order."""
     places = [i for i, guess in enumerate(guesses) if guess.doubt and understood(guess.name).quantity == "lam"]
+    if len(places) == 1:  # of a testing machine, as likely as of a tendon
+        lone = guesses[places[0]]
+        doubt = "which load it is: lam_l, lam_r, fx or fz"
+        return [replace(lone, told="", doubt=doubt) if one is lone else one for one in guesses]
     if len(places) == 2 and not any(_quantity(guess) == "lam_r" for guess in guesses if guess.told):
         last = guesses[places[1]]
         guesses = [*guesses]

@@ -162,12 +162,14 @@ def _fields(value: Any) -> dict[str, Any]:
 
 
 def _flat(values: dict[str, Any]) -> dict[str, Any]:
-    """Return the entries of structs beside each other, ``run.force``; what holds no columns is left out."""
+    """Return the entries of structs and cells beside each other, ``run.force``, ``run{1}``; others are left out."""
     found = dict[str, Any]()
     for name, value in values.items():
         inner = _fields(value)
         if inner:
             found |= _flat({f"{name}.{key}": entry for key, entry in inner.items()})
+        elif isinstance(value, list) and any(isinstance(entry, np.ndarray) for entry in value):  # a cell array of them
+            found |= _flat({f"{name}{{{i + 1}}}": entry for i, entry in enumerate(value)})
         elif not isinstance(value, _Unreadable):
             found[name] = value
     return found

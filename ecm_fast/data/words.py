@@ -12,7 +12,8 @@ _FORCE = ("f", "force", "kraft", "seilkraft", "zugkraft", "zug", "tension", "ten
 _LEFT = ("l", "left", "links", "li", "linkes", "linke")
 _RIGHT = ("r", "right", "rechts", "re", "rechtes", "rechte")
 _ANGLE = ("theta", "angle", "winkel", "rotation", "rot", "drehung", "phi", "orientation", "bending", "biegewinkel")
-_TIME = ("t", "time", "zeit", "timestamp", "zeitstempel", "datum", "date", "uhrzeit", "datetime")
+_TIME = ("t", "time", "zeit", "timestamp", "zeitstempel", "datum", "date", "uhrzeit", "datetime",
+         "temps")  # fmt: skip
 _PLACE = ("pos", "position", "place", "coordinate", "koordinate", "koord", "lage", "ort")
 _COUPLE = ("tau", "torque", "moment", "drehmoment")
 _MASS = ("mass", "masse", "weight", "gewicht", "payload", "zusatzmasse")
@@ -22,6 +23,7 @@ _FILLING = ("tip", "head", "kopf", "spitze", "platte", "plate", "q", "measured",
 _TEXTS = {"session": ("session", "sitzung"), "experiment": ("experiment", "versuch"), "pose_id": ("pose",)}
 _COUNTERS = ("index", "nr", "no", "number", "nummer", "id", "row", "zeile", "frame", "sample", "count", "punkt")
 _REMARKS = ("remark", "remarks", "comment", "comments", "bemerkung", "bemerkungen", "kommentar", "operator", "bediener")
+_UNKNOWN = ("px", "pixel", "pixels", "raw", "counts")  # units of readings that have to be scaled
 _LIMIT = 60  # letters of a unit
 
 _UNITS = re.compile(r"(.*?)[\s_/,-]*(?:\bin\b\s*)?[\[(<{]([^\[\]()<>{}]*)[\])>}]\s*|(.*\w)[\s_/](\S+)")
@@ -64,10 +66,14 @@ def _unit(name: str) -> tuple[str, str, str]:
     found = _UNITS.fullmatch(name.strip())
     if found is None:
         return name, "", ""
+    if found[2] is not None and found[2].strip().isdigit():  # a column of a matrix
+        return name, "", ""
     if found[2] is not None:
         return found[1], unit_of(found[2]), found[2].strip()[:_LIMIT]
     known = unit_of(found[4])
     apart = name.strip()[: -len(found[4])].endswith(("_", " in "))  # else one letter may be a word of the name
+    if found[4] in _UNKNOWN:
+        return found[3], "", found[4]
     if (known and (apart or len(found[4]) > 1)) or (found[4] in OTHER and (apart or len(found[4]) > 1)):
         return found[3].removesuffix(" in"), known, found[4]
     return name, "", ""

@@ -63,6 +63,8 @@ def test_without_a_terminal_what_is_open_is_refused(run: Run) -> None:
     assert not Path("map.toml").exists()
     assert run("import", "run.csv", *words).code == 0
     assert read_measurements("run.csv", "map.toml").z.tolist() == [0.003, 0.005]
+    assert run("import", "run.csv", "--force", "--rename", "*=note").code == 0
+    assert read_measurements("run.csv", "map.toml").columns == ("x_mm",)
 
 
 def test_at_a_terminal_what_is_open_is_asked(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,7 @@ decimal = ","
 [columns]
 "Seil links [kgf]" = "lam_l_kgf"
 "Bild z [mm]" = "-z_mm"
-"Bild x [mm]" = "2*x_mm"
+"Bild x [mm]" = "-2*x_mm"
 Bemerkung = "note"
 """
 
@@ -27,7 +27,7 @@ def test_a_file_is_read_with_its_map(tmp_path: Path) -> None:
     (tmp_path / "run.csv").write_text(GERMAN, encoding="utf-8-sig")
     run = read_measurements(tmp_path / "run.csv", columns=tmp_path / "map.toml")
     assert run.lam.tolist() == [[1.5 * 9.80665, 0.0], [0.5 * 9.80665, 0.0]]
-    assert run.pose[:, :2].tolist() == [[0.197, 0.01225], [0.218, 0.0]]
+    assert run.pose[:, :2].tolist() == [[-0.197, 0.01225], [-0.218, 0.0]]
     assert run.columns == ("lam_l_kgf", "z_mm", "x_mm")
     assert run.ignored == ("T [°C]",)
 

@@ -193,7 +193,7 @@ def test_workbooks(tmp_path: Path) -> None:
 
 
 def test_matlab_files(tmp_path: Path) -> None:
-    """Written by the test: vectors, and a struct beside a matrix of other length."""
+    """Written by the test: vectors, a struct beside a matrix of other length, a matrix in a cell array."""
     from scipy.io import savemat
 
     columns = dict(zip(OWN, np.array(rows(), dtype=float).T, strict=True))
@@ -205,6 +205,12 @@ def test_matlab_files(tmp_path: Path) -> None:
     run = imported(tmp_path / "struct.mat", {f"run.{name}": name for name in OWN})
     assert isinstance(run, Measurements)
     same(run)
+    cell = np.empty((1, 2), dtype=object)
+    cell[0, 0], cell[0, 1] = "cold", np.array(rows(), dtype=float)[:, :4]
+    savemat(tmp_path / "cell.mat", {"runs": cell})
+    run = imported(tmp_path / "cell.mat", {f"runs{{2}}[{i + 1}]": name for i, name in enumerate(OWN[:4])})
+    assert isinstance(run, Measurements)
+    np.testing.assert_allclose(run.z, TRUTH["z"], rtol=1e-13)
 
 
 OWN_Z = ("Force left [N]", "Force right [N]", "Position x [mm]", "z down [mm]", "Angle [deg]")
@@ -222,8 +228,9 @@ CURED: dict[str, tuple[str, str]] = {
     "raw and filtered": (more("Force left raw [N]", ["1"] * 5, with_units()), "which of 2 columns is lam_l"),
     "three axes": (more("Position y [mm]", ["1"] * 5, with_units()), "which two of the three axes are the plane"),
     "numbered tendons": (of_units().replace("left", "1").replace("right", "2"), "Force 1 [N]: which tendon"),
-    "a push": (more("Push [N]", ["0", "1", "2", "3", "4"], with_units()), "Push [N]: which tendon"),
-    "a displacement": (more("delta_l_mm", ["1"] * 5), "delta_l_mm: what it is: numbers in mm"),
+    "a push": (more("Push [N]", ["0", "1", "2", "3", "4"], with_units()),
+               "Push [N]: which load it is: lam_l, lam_r, fx or fz"),
+    "a displacement": (more("delta_l_mm", ["1"] * 5), "delta_l_mm: what it is, 1 to 1 in mm"),
     "numbers with their units": (of_units().replace("\n40,", "\n40 N,"), "cells such as '40 N' hold no number"),
     "x and z exchanged": (of_units().replace("x [mm]", "a").replace("z [mm]", "x [mm]").replace("n a,", "n z [mm],"),
                           "whether x is along the neck: it changes much"),
