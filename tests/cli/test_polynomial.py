@@ -45,6 +45,7 @@ def test_fit_and_eval_meet_the_shooting_solutions(run: Run) -> None:
         assert got.json["stiffness"] == PolynomialModel.from_json(model).stiffness([x, z, theta]).tolist()
 
 
+@pytest.mark.slow
 def test_eval_of_a_file_compares_with_the_wrench_of_the_tendons(run: Run) -> None:
     """Shooting: wrenches of the table."""
     run("fit", "--mechanism", "bare.toml", "--degree", 6)

@@ -161,6 +161,7 @@ def test_many_files(write: Callable[..., Path], tmp_path: Path) -> None:
     same(run.select(run.session == "b"))
 
 
+@pytest.mark.slow
 def test_workbooks(tmp_path: Path) -> None:
     """Written by the test: a plain sheet; one with a title, a line of units and a second sheet of words."""
     openpyxl = pytest.importorskip("openpyxl")
@@ -192,6 +193,7 @@ def test_workbooks(tmp_path: Path) -> None:
         imported(tmp_path / "formula.xlsx")
 
 
+@pytest.mark.slow
 def test_matlab_files(tmp_path: Path) -> None:
     """Written by the test: vectors, a struct beside a matrix of other length, a matrix in a cell array."""
     from scipy.io import savemat

@@ -27,6 +27,7 @@ from ecm_fast.kernels.polynomial import DEGREES, exponents
 from ecm_fast.models.polynomial.multivariate import Polynomial
 from ecm_fast.models.polynomial.training import TrainingSet, measured_wrenches
 
+QUICK_AND_SLOW = [pytest.param(n, marks=[pytest.mark.slow] if n > 3 else []) for n in DEGREES]
 LOW, HIGH = np.array([0.08, -0.06, -0.9]), np.array([0.11, 0.05, 0.8])
 
 
@@ -129,7 +130,7 @@ def test_a_call_leaves_no_memory_behind():
 # regression
 
 
-@pytest.mark.parametrize("degree", DEGREES)
+@pytest.mark.parametrize("degree", QUICK_AND_SLOW)
 def test_a_polynomial_is_found_again(degree):
     """Round trip: the known polynomial, to the digits that the condition number leaves."""
     rng = np.random.default_rng(10 + degree)
@@ -145,7 +146,7 @@ def test_a_polynomial_is_found_again(degree):
     np.testing.assert_array_equal(poly.upper, HIGH)
 
 
-@pytest.mark.parametrize("degree", DEGREES)
+@pytest.mark.parametrize("degree", QUICK_AND_SLOW)
 def test_an_energy_is_found_again(degree):
     """Round trip: the gradient of a known energy, by NumPy's derivative."""
     rng = np.random.default_rng(20 + degree)

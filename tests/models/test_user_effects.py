@@ -132,6 +132,7 @@ def test_scales_that_cannot_be_are_refused(scale, value):
         ecm.effect("own", unit="-", enters="head", **{"typical": 1.0, "bounds": (-1.0, 1.0), scale: value})(spring)
 
 
+@pytest.mark.slow
 def test_its_tolerance_counts_as_those_of_the_catalogue(add):
     """Two of one law: what is in a build as drawn adds its variance to that of the measured size."""
     add("own_spring", enters="head", typical=0.2)(spring)

@@ -59,3 +59,17 @@ def test_every_test_says_which_truth_it_rests_on():
 def test_names_of_tests_fit_in_60_characters():
     """Truth: a project rule."""
     assert [node.name for _, node in TESTS if len(node.name) > 60] == []
+
+
+def test_no_module_borrows_underscored_names() -> None:
+    """Truth: a project rule, read off the syntax trees; a name with an underscore is its module's own."""
+    borrowed = [
+        f"{path.relative_to(ROOT)}: {alias.name}"
+        for path in MODULES
+        for node in ast.walk(tree_of(path))
+        if path.is_relative_to(ROOT / "ecm_fast") and isinstance(node, ast.ImportFrom)
+        for alias in node.names
+        if alias.name.startswith("_")
+        and not (alias.name.startswith("__") or (ROOT / "ecm_fast" / "cli" / f"{alias.name}.py").exists())
+    ]
+    assert borrowed == []

@@ -1,6 +1,5 @@
 """Imports: their direction, and their cost."""
 
-import ast
 import json
 import subprocess
 import sys
@@ -53,17 +52,3 @@ def test_a_name_that_is_not_public() -> None:
     """Contract: the text of the error."""
     with pytest.raises(AttributeError, match=r"^module 'ecm_fast' has no attribute 'FiniteElement'$"):
         _ = ecm_fast.FiniteElement
-
-
-def test_no_module_borrows_underscored_names() -> None:
-    """Truth: a project rule, read off the syntax trees; a name with an underscore is its module's own."""
-    borrowed = [
-        f"{path.relative_to(PACKAGE)}: {alias.name}"
-        for path in PACKAGE.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
-        if alias.name.startswith("_")
-        and not (alias.name.startswith("__") or (PACKAGE / "cli" / f"{alias.name}.py").exists())
-    ]
-    assert borrowed == []
