@@ -234,7 +234,7 @@ def _sized(guess: Guess, values: dict[str, Floats], zeroed: str) -> Guess:
         return guess
     if quantity == "x" and most < 0.0:
         return _doubted(replace(guess, told=f"-{guess.told}"), "its sign: all are negative")
-    if quantity == "x" and not _REACH[0] <= float(np.nanmedian(np.abs(own))) <= _REACH[1]:
+    if quantity == "x" and not _from_clamp(own):
         words = "its unit, or where x begins (zeroed at rest? say --zeroed first, session or unloaded)"
         return _doubted(guess, f"{words}: {1e3 * least:.4g} to {1e3 * most:.4g} mm")
     if quantity == "x" and (least < 0.0 or most - least > _SWING * most):
@@ -243,9 +243,14 @@ def _sized(guess: Guess, values: dict[str, Floats], zeroed: str) -> Guess:
         return _doubted(guess, "whether x is along the neck: z is larger")
     if quantity == "theta" and max(-least, most) > _FEW_TURNS:
         return _doubted(guess, f"its unit: up to {math.degrees(max(-least, most)):.4g} degrees")
-    if quantity == "theta" and {"x", "z"} <= values.keys() and not zeroed and not _bends(values):
+    if quantity == "theta" and {"x", "z"} <= values.keys() and _from_clamp(values["x"]) and not _bends(values):
         return _doubted(guess, "its unit: the angle does not go with z / x")
     return guess
+
+
+def _from_clamp(x: Floats) -> bool:
+    """Tell whether places along the neck can be distances from its clamp."""
+    return bool(np.isfinite(x).any()) and _REACH[0] <= float(np.nanmedian(np.abs(x))) <= _REACH[1]
 
 
 def _larger(one: Floats, other: Floats) -> bool:

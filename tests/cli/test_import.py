@@ -99,3 +99,20 @@ def test_what_cannot_be_imported(refused: Refused) -> None:
     Path("run.csv").write_text(OPEN)
     assert refused("import", "run.csv", "--rename", "F3=lam_l_N").startswith("run.csv: has no column 'F3'; it has ")
     assert refused("import", "run.csv", "--header", "9") == "run.csv: header = 9: there is nothing in that line"
+
+
+def test_poses_that_begin_at_rest_are_asked(run: Run) -> None:
+    """By hand: x of the same spreadsheet less its third row, the neck at rest."""
+    zeroed = GERMAN
+    for x, relative in (("108,6", "-0,4"), ("108,1", "-0,9"), ("109", "0"), ("108,2", "-0,8"), (";0,1;", ";0;")):
+        zeroed = zeroed.replace(x, relative)
+    Path("run.csv").write_text(zeroed, encoding="latin-1")
+    ended = run("import", "run.csv")
+    assert ended.code == 2
+    assert ended.err.endswith(
+        "1 of 8 columns are not certain, nothing is written; where a proposal is right repeat it: --rename "
+        "'Bild x [mm]=x_mm'; =note ignores a column; poses relative to the pose at rest are told by --zeroed first, "
+        "session or unloaded\n"
+    )
+    assert run("import", "run.csv", "--zeroed", "unloaded").code == 0
+    assert 'zeroed = "unloaded"\n' in Path("map.toml").read_text(encoding="utf-8")

@@ -71,9 +71,11 @@ def _columns(guesses: Sequence["Guess"], told: "ColumnMap") -> list[dict[str, An
 
 def _refusal(guesses: Sequence["Guess"], of: int) -> str:
     """Return what is not certain in one line, with the words that say it."""
+    at_rest = any("--zeroed" in one.doubt for one in guesses)
+    rest = "; poses relative to the pose at rest are told by --zeroed first, session or unloaded" * at_rest
     words = [f"{one.name}={one.told or '?'}" for one in guesses]
     return (f"{len(guesses)} of {of} columns are not certain, nothing is written; where a proposal is right repeat it: "
-            f"{' '.join(f'--rename {shlex.quote(word)}' for word in words)}; =note ignores a column")  # fmt: skip
+            f"{' '.join(f'--rename {shlex.quote(word)}' for word in words)}; =note ignores a column{rest}")  # fmt: skip
 
 
 def _answered(guesses: Sequence["Guess"], told: "ColumnMap") -> "ColumnMap":
