@@ -25,6 +25,7 @@ def run(run: Run) -> Run:
     return partial(run, "polynomial")
 
 
+@pytest.mark.slow
 def test_fit_and_eval_meet_the_shooting_solutions(run: Run) -> None:
     """Shooting: rows of the table of tendon equilibria."""
     ended = run("fit", "--mechanism", "bare.toml", "--degree", 6, "--json")

@@ -60,6 +60,7 @@ def test_a_fit_leaves_the_origins_free() -> None:
     assert abs(relative["EI"].value - 3.1) < 4.0 * relative["EI"].std
 
 
+@pytest.mark.slow
 def test_a_diagnosis_leaves_the_origins_free() -> None:
     """Test bed: a camera whose origin is off and a neck curved by itself, zeroed at each session's first row."""
     true = Mechanism.preset("slender").replace(camera_x_offset=1e-3, precurvature=0.3)
@@ -100,6 +101,7 @@ def test_a_slack_tendon_pulls_nothing() -> None:
     assert np.abs(predict(neck, replace(data, slack=np.nan)).pose - exact.pose).max() > 1e-4
 
 
+@pytest.mark.slow
 def test_a_fit_and_a_diagnosis_respect_slack_tendons() -> None:
     """Test bed: cells 3 N low where a tendon is taut, zero where it hangs, in a third of the rows of each."""
     drawn = tendon_test(60, seed=2)
