@@ -169,22 +169,30 @@ def _inputs(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _text(found: "Diagnosis", neck: "Mechanism") -> str:
+    from ..diagnosis.answer.next_step import next_step
     from ..diagnosis.answer.sentences import MIRRORS, alike, dimensions, meaning, next_best, size
 
     lines = [f"{found.verdict}: {found.sentence}"]
     for claim in found.effects:
         lines += [size(claim, name) for name in claim.parameters]
-        lines += [f"  {meaning(claim)}", f"  {claim.sigmas:.1f} sigma, {MIRRORS[claim.mirror]}, family: {claim.family}",
+        lines += [f"  {meaning(claim)}", f"  {claim.sigmas:.1f} sigma, {MIRRORS[claim.mirror]}, group: {claim.group}",
                   f"  look-alikes: {alike(found.models, found.names, claim) or 'none'}"]  # fmt: skip
     lines += [f"  {text}" for text in [next_best(found.models, found.names)] if text]
-    lines += [f"{name} {estimate}" for name, estimate in found.calibration.items()]
+    lines += [f"{name} {estimate}{_beside(neck, name, estimate.value)}" for name, estimate in found.calibration.items()]
     lines += [text for text in [dimensions(found.dimensions, neck.effects)] if text]
     lines += _gap_lines(found)
     if found.verdict == "nothing_found":
         smallest = sorted((s for s in found.sights if isfinite(s.smallest)), key=lambda s: s.smallest / s.typical)
         lines += [f"would have been found: {s.name} from {s.smallest:.3g} {s.unit}" for s in smallest[:_SHOWN]]
     lines += [f"left out: {place}: {reason}" for place, reason in found.outliers[:_SHOWN]]
+    lines.append(f"next: {next_step(found.verdict, found.gap.to_json_dict() if found.gap else {}, found.missing)}")
     return "\n".join(lines)
+
+
+def _beside(neck: "Mechanism", name: str, value: float) -> str:
+    """Return how far a stiffness is from the mechanism file's."""
+    given = getattr(neck.beam, name, None) if name in ("EA", "GA", "EI") else None
+    return "" if not given else f", {value / given - 1.0:+.1%} of the mechanism file's"
 
 
 def _gap_lines(found: "Diagnosis") -> list[str]:
@@ -222,6 +230,7 @@ def _plan_text(found: "Plan") -> str:
         cure = f"; would be shown by {sight.cure}" if sight.cure else ""
         lines.append(f"{sight.visible:9} {sight.name}: typical {sight.typical:g} {sight.unit} is {sight.sigmas:.1f} "
                      f"sigma, found from {sight.smallest:.2g}; nearest {rivals or 'none'}{cure}")  # fmt: skip
+    lines.append("next: measure these loads, then ecm-fast diagnose DATA")
     return "\n".join(lines)
 
 

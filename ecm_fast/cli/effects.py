@@ -62,7 +62,7 @@ def _entry(effect: Effect) -> dict[str, Any]:
     columns = ("name", "unit", "meaning", "default", "typical", "lower", "upper")
     return {
         **{name: getattr(effect.size, name) for name in ("meaning", "unit", "typical", "tolerance", "lower", "upper")},
-        **{name: getattr(effect, name) for name in ("name", "law", "family", "mirror", "enters", "needs")},
+        **{name: getattr(effect, name) for name in ("name", "law", "group", "mirror", "enters", "needs")},
         "parameters": [{name: getattr(entry, name) for name in columns} for entry in effect],
     }
 
@@ -78,7 +78,7 @@ def _text(entry: Mapping[str, Any]) -> str:
         f"{entry['name']}: {entry['meaning']}\n"
         f"    {entry['law']}\n"
         f"    typical {entry['typical']:g} {entry['unit']}{drawn}, allowed {entry['lower']:g} to {entry['upper']:g}\n"
-        f"    enters {entry['enters']}; family {entry['family']}; mirror {entry['mirror']}{needs}{shown}"
+        f"    enters {entry['enters']}; group {entry['group']}; mirror {entry['mirror']}{needs}{shown}"
     )
 
 

@@ -63,7 +63,10 @@ def _run(args: argparse.Namespace) -> Answer:
     fit.mechanism.to_toml(path)
     shown = [f"left out: {where}: {reason}" for where, reason in fit.left_out[:_SHOWN]]
     notes = (*(f"warning: {text}" for text in fit.warnings), *shown, f"wrote {path}")
-    return Answer(_answer(fit, str(path)), _text(fit), notes, DONE if fit.settled else NOT_CONVERGED)
+    follows = f"next: ecm-fast predict NEW --mechanism {path} on measurements that were not fitted"
+    if fit.warnings:
+        follows = "next: see to the warnings; ecm-fast diagnose says what the model is missing"
+    return Answer(_answer(fit, str(path)), f"{_text(fit)}\n{follows}", notes, DONE if fit.settled else NOT_CONVERGED)
 
 
 def _answer(fit: "Identification", path: str) -> dict[str, Any]:

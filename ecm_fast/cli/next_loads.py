@@ -26,6 +26,9 @@ _RESULT = {
     },
     "models": [_MODEL],
     "noise": {"sigma": [(float, None)], "force": (float, None)},
+    "verdict?": str,
+    "gap?": ({"after?": {"rms_sigma": (float, None), "interval": [(float, None)]}}, None),
+    "missing?": [str],
     "transfer?": [{"rivals?": [{"name": str, "carries_over": bool}]}],
 }
 """Form of the result of a diagnosis as far as it is read, see `check_form`."""
@@ -73,8 +76,18 @@ def _run(args: argparse.Namespace) -> Answer:
     if found is None:
         why = f"no other explanation came near {' with '.join(sets[0])}" if sets else "no effect was found"
         answer: dict[str, Any] = {"set": [" with ".join(names) for names in sets], "next": []}
-        return Answer(answer, f"nothing to tell apart: {why}", saved(args, answer))
-    return Answer(found.to_json_dict(), _text(found, alone), saved(args, found.to_json_dict()))
+        return Answer(answer, f"nothing to tell apart: {why}\nnext: {_step(result)}", saved(args, answer))
+    step = "measure these, and diagnose old and new files together" if found.suggestions else _step(result)
+    return Answer(found.to_json_dict(), f"{_text(found, alone)}\nnext: {step}", saved(args, found.to_json_dict()))
+
+
+def _step(result: dict[str, Any]) -> str:
+    """Return what to do with a diagnosis that no further load would help."""
+    from ..diagnosis.answer.next_step import next_step
+
+    verdict, gap = result.get("verdict", "nothing_found"), result.get("gap") or {}
+    verdict = "named" if verdict == "family" else verdict  # no load tells more
+    return next_step(verdict, gap, result.get("missing", ()))
 
 
 def _read(path: str) -> dict[str, Any]:

@@ -14,6 +14,7 @@ __all__ = ["COMMAND"]
 
 _FAR = 8.0
 """Times its noise beyond which a reading is shown by its row: a diagnosis takes it for an outlier."""
+_FIT = 1.5  # times the declared noise up to which nothing needs to be missing
 _SHOWN = 5  # lines that fit a screen
 
 
@@ -40,8 +41,18 @@ def _run(args: argparse.Namespace) -> Answer:
     if failed:
         first = Status(prediction.status[failed[0]]).explain(prediction.load_factor[failed[0]])
         notes.insert(0, f"{len(failed)} of {data.n} rows did not converge; {data.where(failed[0])}: {first}")
-    text = "\n".join([_text(data.n, counts, rms), *_in_noise(prediction)])
+    text = "\n".join([_text(data.n, counts, rms), *_in_noise(prediction), f"next: {_next(prediction)}"])
     return Answer(answer, text, tuple(notes), NOT_CONVERGED if failed else DONE)
+
+
+def _next(prediction: "Prediction") -> str:
+    """Return what to do with a prediction."""
+    known = [value for value in prediction.rms_sigma.values() if value is not None]
+    if not prediction.rows:
+        return "measure poses under these loads and predict them again"
+    if known and max(known) < _FIT:
+        return "the model holds within the noise here; ecm-fast plan lists what these loads cannot show"
+    return "ecm-fast diagnose with the same file says what the model is missing"
 
 
 def _in_noise(prediction: "Prediction") -> list[str]:

@@ -51,7 +51,7 @@ def effect(
     law: str = "",
     meaning: str = "an effect added by the user",
     mirror: Mirror = "mixed",
-    family: str = "user",
+    group: str = "user",
     size: str = "size",
     needs: Sequence[str] = (),
     tolerance: float = 0.0,
@@ -62,7 +62,7 @@ def effect(
     ----------
     name : a word of small letters and underscores, in no use yet
     more : further parameters, made by `ecm_fast.also`; their values follow the size in the law's arguments
-    unit, typical, bounds, law, meaning, mirror, family, size, needs, tolerance : see `ecm_fast.Effect` and
+    unit, typical, bounds, law, meaning, mirror, group, size, needs, tolerance : see `ecm_fast.Effect` and
         `ecm_fast.Quantity`; default bounds are a hundred times the typical size
     enters : what the law is given behind the values, and returns
 
@@ -84,7 +84,7 @@ def effect(
         bound = bounds or (-100.0 * typical, 100.0 * typical)
         entry = declare(
             name, law or f"see {name}", unit, meaning, *more, typical=typical, bounds=bound, enters=_ENTERS[enters],
-            family=family, mirror=mirror, size=size, needs=tuple(needs), tolerance=tolerance,
+            group=group, mirror=mirror, size=size, needs=tuple(needs), tolerance=tolerance,
         )  # fmt: skip
         _check_name(entry)
         _check_scales(entry)

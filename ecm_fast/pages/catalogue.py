@@ -81,18 +81,18 @@ def write_catalogue(mechanism: Mechanism, folder: Path, plan: Plan, source: str 
     grid = sweep()
     alike = look_alikes(plan)
     sections = [Section("", _sentences(plan, source))]
-    families = dict.fromkeys(effect.family for effect in CATALOGUE.values())
-    for family in families:
-        effects = [effect for effect in CATALOGUE.values() if effect.family == family]
+    groups = dict.fromkeys(effect.group for effect in CATALOGUE.values())
+    for group in groups:
+        effects = [effect for effect in CATALOGUE.values() if effect.group == group]
         shapes = signatures(mechanism, grid, effects)
         picture = Picture(
-            "signature_" + "".join(c if c.isalnum() else "_" for c in family),
+            "signature_" + "".join(c if c.isalnum() else "_" for c in group),
             "What a typical size of each effect does to x, z and θ over the sum (to the right) and the difference "
             "(up) of the tendon forces, 0 to 160 N; blue less, red more, each map on its own scale.",
             _figure(effects, grid, shapes),
             _columns(effects, grid, shapes),
         )
-        sections.append(Section(family, (), (_table(effects, plan, alike),), (picture,)))
+        sections.append(Section(group, (), (_table(effects, plan, alike),), (picture,)))
     return write_report(folder / "effects.html", "Physical effects the model can take in", sections)
 
 

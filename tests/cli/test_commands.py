@@ -188,6 +188,7 @@ def test_predict_reports_the_misfit_in_units_of_noise(run: Run) -> None:
     assert lines[2:] == [
         "in units of the camera's noise as declared: z 6.4",
         "far off: run.csv: line 11, 20 times its noise",
+        "next: ecm-fast diagnose with the same file says what the model is missing",
     ]
     answer = run("predict", "run.csv", "--json").json["rms_sigma"]
     assert answer["z"] == pytest.approx(np.sqrt(40.9), rel=1e-6)
@@ -201,6 +202,7 @@ def test_predict_without_measured_poses(run: Run) -> None:
     assert (
         ended.out
         == "2 rows: 2 converged\nrms of measured less predicted: x not measured, z not measured, theta not measured\n"
+        "next: measure poses under these loads and predict them again\n"
     )
     assert ended.err == f"ecm-fast: wrote {Path('there/predicted.csv')}\n"
     assert run("predict", "run.csv", "--json").json["rms"] == {"x_m": None, "z_m": None, "theta_rad": None}
@@ -244,7 +246,7 @@ def test_effects_lists_the_catalogue(run: Run) -> None:
         "tolerance": 0.0,
         "lower": -100.0,
         "upper": 100.0,
-        "family": "moment bias",
+        "group": "moment bias",
         "mirror": "odd",
         "enters": "section",
         "needs": [],

@@ -48,7 +48,7 @@ def claims(selection: Selection, without: Mapping[int, Fit]) -> tuple[Claim, ...
                 interval={name: (entry.lower, entry.upper) for name, entry in fitted.items()},
                 look_alikes=others,
                 mirror=candidate.effect.mirror,
-                family=candidate.effect.family,
+                group=candidate.effect.group,
                 sigmas=float(np.sqrt(max(rest.total - fit.total, 0.0))),
                 probability=chance,
             )

@@ -49,8 +49,8 @@ def remainder(
     before = float((white[test] ** 2).sum()) - 3.0 * test.sum()
     after = float(((white[test] - fitted[test]) ** 2).sum()) - 3.0 * test.sum()
     closed = 1.0 - max(after, 0.0) / before if before > 0.0 else np.nan
-    family, cosine = _resembles(view)
-    return Remainder(wrench, float(max(closed, 0.0)), family, cosine)
+    group, cosine = _resembles(view)
+    return Remainder(wrench, float(max(closed, 0.0)), group, cosine)
 
 
 def _process(place: Array, values: Array, wanted: Array) -> Array:
@@ -81,10 +81,10 @@ def _kernel(a: Array, b: Array, length: float) -> Array:
 
 
 def _resembles(view: Linearization) -> tuple[str, float]:
-    """Return the family of the effect whose signature is nearest to the residual, and their cosine."""
+    """Return the group of the effect whose signature is nearest to the residual, and their cosine."""
     gram = view.rest[2]
     norm = gram.norm
     size = np.sqrt(max(gram.left, 1e-300))
     cosine = np.abs(np.divide(gram.score, norm * size, out=np.zeros_like(norm), where=norm > 0.0))
     nearest = int(np.argmax(cosine))
-    return view.problem.candidates[nearest].effect.family, float(min(cosine[nearest], 1.0))
+    return view.problem.candidates[nearest].effect.group, float(min(cosine[nearest], 1.0))

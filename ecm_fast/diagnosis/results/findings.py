@@ -41,7 +41,7 @@ class Claim:
     interval : lower and upper end by the same names
     look_alikes : names that the data cannot tell from this one
     mirror : even, odd, mixed or path
-    family : of look-alikes
+    group : of effects that look alike
     sigmas : how far it stands out: the root of what the weighted sum of squares gains where it alone is left out and
         all else is fitted again
     probability : of this name among its look-alikes, if the truth is one of them
@@ -52,7 +52,7 @@ class Claim:
     interval: Mapping[str, tuple[float, float]]
     look_alikes: tuple[str, ...]
     mirror: str
-    family: str
+    group: str
     sigmas: float
     probability: float
 
@@ -64,7 +64,7 @@ class Claim:
             "interval": {name: list(ends) for name, ends in self.interval.items()},
             "look_alikes": list(self.look_alikes),
             "class": self.mirror,
-            "family": self.family,
+            "group": self.group,
             "sigmas": self.sigmas,
             "probability": self.probability,
         }
@@ -302,8 +302,8 @@ class Remainder:
     ----------
     wrench : (n, 3) [N, N, N m] row by row
     closed : share of the locked rows' excess that it explains
-    resembles : nearest family; it resembles, it does not explain
-    cosine : to that family's nearest member
+    resembles : nearest group; it resembles, it does not explain
+    cosine : to that group's nearest member
     """
 
     wrench: Array = field(repr=False)

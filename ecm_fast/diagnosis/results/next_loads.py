@@ -95,7 +95,7 @@ class NextLoads:
     def why_none(self) -> str:
         """The reason that no load is suggested, where none is."""
         if self.worst_before >= ENOUGH:
-            return f"none is needed: {ENOUGH:g} sigma are enough"
+            return f"these are told apart already: {ENOUGH:g} sigma are enough"
         return "no load that fits into the time tells them apart"
 
     @property

@@ -1,4 +1,4 @@
-"""The catalogue: physical effects the paper's model leaves out, one file a family.
+"""The catalogue: physical effects the paper's model leaves out, one file a kind.
 
 An effect is declared here once (name, law, unit, typical size, bounds, mirror class, where it enters) and
 takes effect where its law is written: in `kernels.prepare` when it only changes constants of the mechanism,
@@ -14,7 +14,7 @@ __all__ = ["CATALOGUE", "FULL_SCALE", "LARGEST_PUSH", "Effect", "Mirror", "also"
 
 CATALOGUE: dict[str, Effect] = {
     effect.name: effect
-    for family in (section, ends, geometry, forces, environment, camera, path)
-    for effect in family.EFFECTS
+    for group in (section, ends, geometry, forces, environment, camera, path)
+    for effect in group.EFFECTS
 }
 """Every effect by its name, in the order of the parameter vector."""

@@ -22,7 +22,7 @@ class Effect:
     quantities : the size first (0 = absent), then what else it needs (place, angle, time), with a default
     law : the law in one line, in the symbols of the paper; ``a`` is the size
     enters : the part of the model it changes
-    family : look-alikes share a family
+    group : look-alikes share a group
     mirror : even or odd under exchange of left and right, mixed, or path if it depends on the order of loads
     needs : columns that the measurements must have for it to show
     """
@@ -31,7 +31,7 @@ class Effect:
     quantities: tuple[Quantity, ...]
     law: str
     enters: Enters
-    family: str
+    group: str
     mirror: Mirror
     needs: tuple[str, ...] = ()
 
@@ -58,7 +58,7 @@ def effect(
     typical: float,
     bounds: tuple[float, float],
     enters: Enters,
-    family: str,
+    group: str,
     mirror: Mirror,
     size: str = "",
     needs: tuple[str, ...] = (),
@@ -75,4 +75,4 @@ def effect(
     key_of_size = f"{key}.{size}" if more else key
     first = Quantity(key_of_size, unit, meaning, 0.0, *bounds, typical, "zero", tolerance=tolerance)
     rest = (replace(entry, key=f"{key}.{entry.key}") for entry in more)
-    return Effect(name, (first, *rest), law, enters, family, mirror, needs)
+    return Effect(name, (first, *rest), law, enters, group, mirror, needs)

@@ -155,12 +155,12 @@ def _effects(diagnosis: Diagnosis) -> Table:
         others = ", ".join(claim.look_alikes) or "none"
         for name, value in claim.parameters.items():
             low, high = claim.interval[name]
-            rows.append((_with_unit(name), value, low, high, claim.sigmas, MIRRORS[claim.mirror], claim.family, others))
+            rows.append((_with_unit(name), value, low, high, claim.sigmas, MIRRORS[claim.mirror], claim.group, others))
     rows += [
         (_with_unit(name), entry.value, entry.lower, entry.upper, None, "", "", "")
         for name, entry in diagnosis.calibration.items()
     ]
-    head = ("parameter", "value", "lower", "upper", "sigma", "mirror", "family", "look-alikes")
+    head = ("parameter", "value", "lower", "upper", "sigma", "mirror", "group", "look-alikes")
     return Table("What was found, with 90 % intervals", head, tuple(rows))
 
 

@@ -94,10 +94,10 @@ def evidence_bars(story: Story) -> Picture | None:
 
 
 def cosine_matrix(plan: Plan) -> Picture:
-    """Cosines between signatures in these poses, effects of a family side by side."""
-    families = list(dict.fromkeys(CATALOGUE[name].family for name in plan.names))
+    """Cosines between signatures in these poses, effects of a group side by side."""
+    groups = list(dict.fromkeys(CATALOGUE[name].group for name in plan.names))
     kept = [i for i in range(len(plan.names)) if np.abs(plan.cosines[i]).any()]
-    order = sorted(kept, key=lambda i: families.index(CATALOGUE[plan.names[i]].family))
+    order = sorted(kept, key=lambda i: groups.index(CATALOGUE[plan.names[i]].group))
     names = [plan.names[i] for i in order]
     values = plan.cosines[np.ix_(order, order)]
     with canvas(7.2, 6.6) as figure:
@@ -111,10 +111,10 @@ def cosine_matrix(plan: Plan) -> Picture:
             axes.text(place, len(names) - 0.2, name, fontsize=4.5, ha="center", va="top", rotation=90.0)
         last = ""
         for place, name in enumerate(names):
-            if CATALOGUE[name].family != last and place:
+            if CATALOGUE[name].group != last and place:
                 for line in (axes.axhline, axes.axvline):
                     line(place - 0.5, color="black", linewidth=0.4)
-            last = CATALOGUE[name].family
+            last = CATALOGUE[name].group
     first, second = np.meshgrid(range(len(names)), range(len(names)), indexing="ij")
     columns = {
         "first": np.array(names)[first.ravel()],
@@ -124,7 +124,7 @@ def cosine_matrix(plan: Plan) -> Picture:
     caption = (
         "How alike effects look in these very poses, once EA, GA and EI are refitted: deep red or deep blue alike, "
     )
-    return Picture("cosines", f"{caption}white nothing in common. Lines part families.", figure, columns)
+    return Picture("cosines", f"{caption}white nothing in common. Lines part groups.", figure, columns)
 
 
 def parameter_profiles(story: Story, priors: Mapping[str, tuple[float, float]]) -> Picture:
