@@ -1,5 +1,6 @@
-"""Parquet and MATLAB files, written by the libraries users write them with; every number and text by hand."""
+"""Excel, Parquet and MATLAB files, written by the libraries users write them with; numbers and texts by hand."""
 
+import datetime as dt
 import struct
 import subprocess
 import sys
@@ -19,7 +20,7 @@ from ecm_fast.errors import InputError
 
 def test_nothing_heavy_is_loaded_before_a_file_needs_it() -> None:
     """Python's own list of loaded modules."""
-    heavy = "{'scipy', 'pyarrow', 'pymatreader', 'h5py', 'numba', 'pandas'}"
+    heavy = "{'scipy', 'pyarrow', 'pymatreader', 'openpyxl', 'h5py', 'numba', 'pandas'}"
     code = f"import ecm_fast.data.measurements, sys; print(*{heavy} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "\n"
@@ -255,3 +256,25 @@ def test_objects_of_matlab_are_named(tmp_path: Path) -> None:
     """SciPy writes and reads sparse matrices; what holds no column is said with the cure."""
     path = _save_mat(tmp_path / "run.mat", {"x_m": scipy.sparse.eye(3)})
     assert _refused(path).startswith("x_m is a sparse matrix; save vectors or one struct alone (of a table T: ")
+
+
+def test_xlsx_that_cannot_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By hand: the text of the error, for files of openpyxl."""
+    openpyxl = pytest.importorskip("openpyxl")
+    book, path = openpyxl.Workbook(), tmp_path / "run.xlsx"
+    book.save(path)
+    assert _refused(path) == "is empty; the first row names the columns"
+    for row in (["lam_l_N", "x_mm", "t_s"], [1.0, "#N/A", dt.datetime(2026, 3, 1, 12)], [2, "#DIV/0!", None]):
+        book.active.append(row)
+    book.save(path)
+    assert _refused(path) == "row 3, column x_mm: '#DIV/0!' (allowed is a finite number, or a blank)"
+    book.active["B3"] = 2.5
+    book.save(path)
+    run = read_measurements(path)
+    assert run.lam_l.tolist() == [1.0, 2.0]
+    np.testing.assert_array_equal([run.x, run.t], [[np.nan, 0.0025], [0.0, np.nan]])
+    assert (run.counted, run.rows.tolist()) == ("row", [2, 3])
+    path.write_bytes(path.read_bytes()[:700])
+    assert _refused(path).startswith("not a readable Excel file (")
+    monkeypatch.setitem(sys.modules, "openpyxl", None)
+    assert answer(".xlsx", b"", path) == "reading an Excel file needs openpyxl: pip install 'ecm-fast[data]'"

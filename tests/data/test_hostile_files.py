@@ -112,11 +112,13 @@ def test_any_bytes_as_csv(content: bytes) -> None:
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)
-@given(st.binary(), st.sampled_from([".mat", ".parquet"]))
-def test_any_bytes_as_mat_and_parquet(content: bytes, ending: str) -> None:
+@given(st.binary(), st.sampled_from([".mat", ".parquet", ".xlsx"]))
+def test_any_bytes_as_a_binary_file(content: bytes, ending: str) -> None:
     """Contract: finite loads or one line of error, for random bytes."""
     if ending == ".parquet":
         pytest.importorskip("pyarrow.parquet")
+    if ending == ".xlsx":
+        pytest.importorskip("openpyxl")
     check(content, ending)
 
 
@@ -148,3 +150,19 @@ def test_damaged_mat(data: st.DataObject) -> None:
 def test_damaged_parquet(data: st.DataObject) -> None:
     """Contract: finite loads or one line of error, for good files with changed bytes."""
     check(data.draw(damaged(_parquet())), ".parquet")
+
+
+def _xlsx() -> bytes:
+    openpyxl = pytest.importorskip("openpyxl")
+    stream, book = io.BytesIO(), openpyxl.Workbook()
+    for row in (["lam_l_N", "x_mm", "session"], [1.0, 3.0, "a"], [2.0, None, "b"]):
+        book.active.append(row)
+    book.save(stream)
+    return stream.getvalue()
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(st.data())
+def test_damaged_xlsx(data: st.DataObject) -> None:
+    """Contract: finite loads or one line of error, for good files with changed bytes."""
+    check(data.draw(damaged(_xlsx())), ".xlsx")
