@@ -51,7 +51,7 @@ def test_the_command_shows_look_alikes_and_writes_a_page(tmp_path, capsys) -> No
     text = (tmp_path / "effects.html").read_text(encoding="utf-8")
     assert all(f"<td>{name}</td>" in text for name in CATALOGUE)
     assert "://" not in text
-    assert text.count("<svg ") == len({effect.family for effect in CATALOGUE.values()})
+    assert text.count("<svg ") == len({effect.group for effect in CATALOGUE.values()})
 
 
 def test_without_a_mechanism_the_catalogue_stays_a_list(capsys) -> None:
