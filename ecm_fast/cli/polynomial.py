@@ -119,9 +119,13 @@ def _eval_pose(args: argparse.Namespace, poly: "PolynomialModel") -> tuple[dict[
 def _eval_data(args: argparse.Namespace, poly: "PolynomialModel") -> tuple[dict[str, Any], str, tuple[str, ...]]:
     from ..files import csv_text, write_whole
     from ..models.finite_element import FiniteElementModel
+    from ..models.instruments.rest_pose import absolute
     from ..models.polynomial.training import WrenchErrors, measured_wrenches
 
     data = measurements(args.data, args)
+    if data.zeroed and args.mechanism is None:
+        raise InputError(f"{args.data}: poses that are zeroed at rest need --mechanism, whose rest pose is added")
+    data = data if args.mechanism is None else absolute(mechanism(args), data)
     columns = _by_column((*poly.inputs, *poly.outputs), [*data.pose.T, *poly.wrench(data.pose).T])
     rms = None
     if args.mechanism is not None:

@@ -16,6 +16,7 @@ from ..mechanism.parameters import index
 from ..mechanism.vector import pack
 from ..models.equilibrium import Status
 from ..models.instruments.mesh_choice import mesh_for
+from ..models.instruments.rest_pose import absolute, free_origins
 from ..models.instruments.robot_chain import chain_of
 from ..models.loads import last_step
 from .fit import t_quantile
@@ -103,7 +104,8 @@ def posterior(
     ----------
     mechanism : what is built, its values the start
     data : measurements with poses
-    names : of the parameters, as in `parameters`; any but the axial law
+    names : of the parameters, as in `parameters`; any but the axial law. The origins of channels that are zeroed at
+        rest, see `ColumnMap`, are sampled along
     priors : value and standard deviation from other tests, by name
     force_sigma : noise of the force readings [N], carried through the model at the best fit
     walkers : how many; default four a parameter, at least eight
@@ -118,6 +120,8 @@ def posterior(
         import emcee
     except ImportError:
         raise InputError("sampling needs the package emcee: pip install 'ecm-fast[uq]'") from None
+    data = absolute(mechanism, data)
+    names = [*names, *(key for key in free_origins([data]) if index(key) not in map(index, names))]
     count = max(8, 4 * len(names)) if walkers is None else walkers
     if count < 2 * len(names) or count % 2 or steps < _FEWEST_STEPS:
         raise InputError(f"walkers = {shown(walkers)}, steps = {shown(steps)}: allowed is an even number from "

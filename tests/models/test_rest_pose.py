@@ -9,10 +9,13 @@ import pytest
 from ecm_fast import Measurements, Mechanism, diagnose, identify, predict, read_measurements
 from ecm_fast.data.columns import CHANNELS
 from ecm_fast.errors import InputError
+from ecm_fast.identification.posterior import posterior
 from ecm_fast.mechanism.mesh.discretization import Discretization
 from ecm_fast.mechanism.vector import pack
+from ecm_fast.models.finite_element import FiniteElementModel
 from ecm_fast.models.instruments.measuring_chain import MeasuringChain
 from ecm_fast.models.instruments.rest_pose import absolute, free_origins
+from ecm_fast.models.polynomial.training import measured_wrenches, training_rows
 from ecm_fast.testbed import Sensors, measure, tendon_test
 
 SEEN = {"camera_rotation": 0.02, "camera_scale": 0.01, "marker_lever_x": 4e-3, "camera_x_offset": 2e-3}
@@ -61,6 +64,21 @@ def test_a_fit_leaves_the_origins_free() -> None:
 
 
 @pytest.mark.slow
+def test_other_uses_of_poses_add_the_rest_pose() -> None:
+    """Consistency: the wrenches at poses, and the sampled mean beside the fit's value."""
+    neck = Mechanism.preset("slender")
+    data = measure(neck, loads(40), Sensors(), seed=5)
+    given, model = zeroed(data, "first", data.pose[0]), FiniteElementModel(neck)
+    shifted = replace(data, **dict(zip(CHANNELS, (given.pose + predict(neck, data).pose[0]).T.copy(), strict=True)))
+    np.testing.assert_allclose(measured_wrenches(model, given), measured_wrenches(model, shifted), rtol=1e-9)
+    np.testing.assert_allclose(training_rows(model, given).poses, shifted.pose, rtol=1e-9)
+    pytest.importorskip("emcee")
+    found, fit = posterior(neck, given, ["EI"], steps=400, seed=1), identify(neck, given, ["EI"])
+    assert found.names == ("EI", *free_origins([replace(given, zeroed="added")]))
+    assert abs(found.samples[:, 0].mean() - fit["EI"].value) < 0.3 * fit["EI"].std
+    assert 0.8 < found.samples[:, 0].std() / fit["EI"].std < 1.2
+
+
 def test_a_diagnosis_leaves_the_origins_free() -> None:
     """Test bed: a camera whose origin is off and a neck curved by itself, zeroed at each session's first row."""
     true = Mechanism.preset("slender").replace(camera_x_offset=1e-3, precurvature=0.3)

@@ -16,6 +16,7 @@ from ...errors import InputError, NotConverged
 from ...kernels.general.tip import tip_wrench
 from ...kernels.layout import L_FX, L_GRAVITY, L_PRESTRAIN, N_LOADS, T_JOINT
 from ..finite_element import FiniteElementModel
+from ..instruments.rest_pose import absolute
 from ..path_state import PathChoice
 from .model import PolynomialModel
 
@@ -113,6 +114,7 @@ def training_rows(model: FiniteElementModel, data: Measurements, *, path: PathCh
     ------
     InputError : no row is left, or the tendons' forces depend on the path and `path` is not given.
     """
+    data = absolute(model.mechanism, data)
     wrenches = measured_wrenches(model, data, path=path)
     known = np.isfinite(wrenches).all(axis=1)
     if not known.any():
@@ -126,6 +128,7 @@ def measured_wrenches(model: FiniteElementModel, data: Measurements, *, path: Pa
     It is nan in rows without a whole pose, where a pulling tendon has no direction, and in rows with an extra mass or
     a tilt: these change what acts always. path : see `FiniteElementModel.solve`
     """
+    data = absolute(model.mechanism, data)
     wrenches = tip_wrenches(model, data.pose, data.lam, data.wrench, path=path)
     unknown = ~data.measured.all(axis=1) | (data.extra_mass != 0.0) | (data.tilt != 0.0)
     wrenches[unknown | ~np.isfinite(wrenches).all(axis=1)] = np.nan

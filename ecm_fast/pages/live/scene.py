@@ -15,6 +15,7 @@ from ...mechanism.vector import pack
 from ...models.equilibrium import Equilibrium, Status
 from ...models.finite_element import FiniteElementModel
 from ...models.instruments.history import path_effects
+from ...models.instruments.rest_pose import absolute
 from ...models.polynomial.model import ForwardPolynomial
 from .controls import LAM_MAX, LOADS, checked, controls
 from .drawing import outline, rounded
@@ -59,7 +60,7 @@ class Scene:
     def __init__(self, mechanism: Mechanism, data: Measurements | None = None) -> None:
         mechanism.check_pair("the live page")
         self.mechanism = mechanism
-        self.data = data
+        self.data = None if data is None else absolute(mechanism, data)
         self._changes: Mapping[str, float] | None = None
         self._wrench: tuple[float, ...] | None = None
 
