@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ...diagnosis import Diagnosis, Plan
+from ...diagnosis.answer.next_step import next_step
 from ...diagnosis.answer.sentences import MIRRORS, alike, dimensions, meaning, next_best
 from ...diagnosis.checks.symmetry import Parity
 from ...diagnosis.problem.problem import DRIFT
@@ -104,6 +105,7 @@ def _first(story: Story, next_loads: NextLoads | None) -> Section:
     sentences += [f"{behind[0].upper()}{behind[1:]}."] if behind else []
     if next_loads and next_loads.suggestions:
         sentences.append(_first_load(next_loads))
+    sentences.append(f"Next: {next_step(found.verdict, found.gap.to_json_dict() if found.gap else {}, found.missing)}.")
     tables = (_gap_table(story),) if found.gap or found.transfer else ()
     return Section("", tuple(sentences), tables, _kept(gap_bar(story)))
 
