@@ -285,12 +285,23 @@ def _signed(guesses: list[Guess], values: dict[str, Floats]) -> list[Guess]:
             found.append(
                 _doubted(replace(guess, told=turn), "its sign, or which tendon is left: they contradict each other")
             )
+        elif quantity == "theta" and _same_side(values):
+            found.append(_doubted(guess, "its sign, or that of z: a neck that bends to +z turns by -theta"))
         elif shown[quantity] < _CORRELATED and guess.told != guess.name:
             found.append(_doubted(guess, "its sign: the tendon forces do not show it"))
         else:
             showed = "; the tendon forces show its sign" if shown[quantity] >= _CORRELATED else ""
             found.append(replace(guess, because=f"{guess.because}{showed}"))
     return found
+
+
+def _same_side(values: dict[str, Floats]) -> bool:
+    """Tell whether z and theta are mostly of the same sign, where those of a beam's tip are opposite."""
+    if not {"z", "theta"} <= values.keys():
+        return False
+    products = values["z"] * values["theta"]
+    known = products[np.isfinite(products)]
+    return bool(known.sum() > 0.5 * np.abs(known).sum())
 
 
 def _correlation(one: Floats | None, other: Floats | None) -> float:
