@@ -30,7 +30,7 @@ from ecm_fast.errors import InputError
 from ecm_fast.files import write_whole
 from ecm_fast.mechanism.catalogue import CATALOGUE
 from ecm_fast.mechanism.parameters import find
-from ecm_fast.testbed import BUILT_IN, OUTSIDE
+from ecm_fast.testbed import BUILT_IN, OUTSIDE, VARIANTS
 from ecm_fast.testbed.sealed.ground_truth import Truth
 from ecm_fast.testbed.sealed.hide import conditions, hide
 from ecm_fast.testbed.sealed.score import Score, score
@@ -56,7 +56,7 @@ NOISES = (
     "geometry+force",
     "tails+correlated+outliers+drift+geometry+force",
 )
-GROUPS = ("clean", "effects", "pairs", "outside")
+GROUPS = ("clean", "effects", "variants", "pairs", "outside")
 SETS_OF_A_PAIR_CELL = 10
 """Pairs are drawn at random from a cell of their own, this many times as many as of one effect."""
 Told = dict[str, tuple[float, float]]
@@ -65,6 +65,9 @@ Diagnose = Callable[[Path, Told], dict[str, Any]]
 Tell = Callable[[Path, Truth, dict[str, Any], Told], dict[str, Any]]
 BUILD = ("geometry", "frame", "undeclared")
 """Noises that say what is built and done; the others are those of the instruments."""
+SEEN, LEFT = 4.0, 8.0
+"""Sigmas from which on an effect of another law is asked for, and what the catalogue's law may leave of a near one."""
+LITTLE, MUCH = "8 sigma or less", "more than 8 sigma"
 INVISIBLE, VISIBLE = 2.0, 3.0
 """Sigmas below which nobody could see an effect, and from which a gap shows on the locked rows alone."""
 
@@ -127,6 +130,12 @@ def cells(groups: Iterable[str], designs: Iterable[str], noises: tuple[str, ...]
         for group in groups:
             if group == "clean":
                 yield from (Cell(group, noise, design, noise, count) for noise in noises)
+            elif group == "variants":
+                yield from (
+                    Cell(group, f"{name}~{variant}", design, "", count)
+                    for variant, law in VARIANTS.items()
+                    for name in law.effects
+                )
             elif group == "pairs":
                 yield Cell(group, "pair", design, "", SETS_OF_A_PAIR_CELL * count)
             else:
@@ -141,7 +150,7 @@ def hidden(sealed: Sealed) -> dict[str, None]:
     if sealed.cell.group == "pairs":
         known = sorted(BUILT_IN)
         return dict.fromkeys(np.random.default_rng(sealed.seed).choice(known, 2, replace=False).tolist())
-    return {sealed.cell.name: None}
+    return {sealed.cell.name.partition("~")[0]: None}
 
 
 def generate(sealed: Sealed, noises: tuple[str, ...]) -> bool:
@@ -152,7 +161,13 @@ def generate(sealed: Sealed, noises: tuple[str, ...]) -> bool:
     truth_file.parent.mkdir(parents=True, exist_ok=True)
     noise, design = sealed.noise(noises), sealed.cell.design
     try:
-        data, truth = hide(effects=hidden(sealed), design=design, seed=sealed.seed, noise=noise)
+        data, truth = hide(
+            effects=hidden(sealed),
+            design=design,
+            seed=sealed.seed,
+            noise=noise,
+            variant=sealed.cell.name.partition("~")[2],
+        )
     except InputError as error:  # a row has no equilibrium
         write_whole(f"{stem}.failed.txt", f"{error}\n")
         return False
@@ -183,6 +198,9 @@ def told(path: Path, truth: Truth, answer: dict[str, Any], priors: Told) -> dict
         for name, sigmas in beside(neck, exact, names, priors=priors).items():
             stands[name]["beside"] = sigmas
     found: dict[str, Any] = {"stands": stands, **closed(exact, read, answer)}
+    if truth.variant:
+        keys = [entry.name for name in truth.names for entry in CATALOGUE[name]]
+        found["left"] = math.sqrt(ecm.identify(neck, exact, ["EA", "GA", "EI", *keys], priors=priors or None).chi2)
     if found["closed"] is not None and len(names) == 1 and not truth.outside:
         own = closed(exact, read, diagnosed(path, priors, names))
         found |= {"most": own["closed"], "most_since_given": own["closed_since_given"]}
@@ -192,7 +210,7 @@ def told(path: Path, truth: Truth, answer: dict[str, Any], priors: Told) -> dict
 def still(truth: Truth, effects: dict[str, float]) -> Measurements:
     """Return the poses without noise under the loads without noise, and the noise that readings have, said or not."""
     noise = "+".join([*(name for name in truth.noise.split("+") if name in BUILD), "none"])
-    data, _ = hide(effects=effects, design=truth.design, seed=truth.seed, noise=noise)
+    data, _ = hide(effects=effects, design=truth.design, seed=truth.seed, noise=noise, variant=truth.variant)
     sensors = conditions(truth.noise).sensors
     sigmas = (*sensors.camera_sigma, sensors.force_sigma)
     names = ("sigma_x", "sigma_z", "sigma_theta", "sigma_lam")
@@ -311,6 +329,11 @@ def rates(scores: list[Graded]) -> dict[str, str]:
     clean = [entry.grade for entry in by_group["clean"]]
     one, two = by_group["effects"], by_group["pairs"]
     outside = [entry.grade for entry in by_group["outside"] if entry.least("apart") >= 8.0]
+    varied = [entry for entry in by_group["variants"] if entry.least("sigmas") >= SEEN]
+    by_left = {
+        LITTLE: [entry.grade for entry in varied if entry.told["left"] <= LEFT],
+        MUCH: [entry.grade for entry in varied if entry.told["left"] > LEFT],
+    }
     noisy: dict[str, list[bool]] = {}
     for entry in by_group["clean"]:
         noisy.setdefault(entry.cell.noise, []).append(entry.grade.false_alarm)
@@ -356,6 +379,16 @@ def rates(scores: list[Graded]) -> dict[str, str]:
             for since in ("gap_closed_since_given", "gap_closed")
         ),
         "interval of the size holds the truth": share(_size_covered(entry.grade for entry in one)),
+        **{
+            f"one effect, of whose law the catalogue's leaves {much}: {what}": share(values)
+            for much, grades in by_left.items()
+            for what, values in (
+                ("truth in the reported set", [bool(grade.in_set) for grade in grades]),
+                ("named first", [bool(grade.top) for grade in grades]),
+                ("a second name", [grade.extra for grade in grades]),
+                ("one wrong name alone", [_wrong_alone(grade) for grade in grades]),
+            )
+        },
         "two effects, each 6 sigma or more when alone: both named": share(bool(grade.top) for grade in alone),
         "the same: both in the reported sets": share(bool(grade.in_set) for grade in alone),
         "two effects, each 6 sigma or more alone and beside the other: both named": share(
@@ -375,6 +408,10 @@ def rates(scores: list[Graded]) -> dict[str, str]:
             len(grade.named) == 2 for grade in outside
         ),
     }
+
+
+def _wrong_alone(grade: Score) -> bool:
+    return len(grade.named) == 1 and grade.alone_right is False
 
 
 def _first_number(text: str) -> float:

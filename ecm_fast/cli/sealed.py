@@ -47,6 +47,12 @@ def _add_hide(parser: argparse.ArgumentParser) -> None:
         help="joined with +: white, none, force, strong_force, tails, correlated, outliers, drift, undeclared, "
         "geometry, frame; default white",
     )
+    parser.add_argument(
+        "--variant",
+        default="",
+        metavar="V",
+        help="law in the place of the catalogue's, such as 'bending_levels_off' or 'zeroed_at_rest'; default none",
+    )
     parser.add_argument("--sessions", type=count, default=1, metavar="K", help="sessions of the first experiment")
     parser.add_argument("--seed", type=count, default=0, metavar="N", help="of everything random; default 0")
     parser.add_argument("--truth", metavar="FILE", help="where the truth goes; default truth.json beside the data")
@@ -61,7 +67,15 @@ def _hide(args: argparse.Namespace) -> Answer:
     neck, place = mechanism(args), folder(args.out or "out")
     path, kept = place / "sealed.csv", Path(args.truth) if args.truth else place / "truth.json"
     outputs(path, kept)
-    data, truth = hide(neck, effects, design=args.design, seed=args.seed, noise=args.noise, sessions=args.sessions)
+    data, truth = hide(
+        neck,
+        effects,
+        design=args.design,
+        seed=args.seed,
+        noise=args.noise,
+        sessions=args.sessions,
+        variant=args.variant,
+    )
     data.to_csv(path, _COMMENT)
     truth.to_json(kept)
     answer = {"data": path, "truth": kept, "rows": data.n}

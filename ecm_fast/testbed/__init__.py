@@ -15,11 +15,13 @@ from .experiments import compression_test, in_sequence, mass_test, shear_test, t
 from .laws import BUILT_IN
 from .outside import OUTSIDE
 from .sensors import Sensors, measure, readings
+from .variants import VARIANTS
 
 __all__ = [
     "BUILT_IN",
     "DESIGNS",
     "OUTSIDE",
+    "VARIANTS",
     "Equilibria",
     "Outcome",
     "Sensors",

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from ..data.measurements import Measurements
 from . import outside
 from .laws import Parameters, length, tendon_lengths
+from .variants import NO_FORCE, SETTLES, STICK, blend
 
-__all__ = ["FULL_LOAD", "Past", "aged", "hours", "needs_past", "new", "tendon_forces"]
+__all__ = ["FULL_LOAD", "Past", "aged", "drifted", "hours", "needs_past", "new", "tendon_forces"]
 
 Array = Any
 
@@ -56,7 +57,8 @@ class Past:
         """Return the past of every row from the poses without memory, (n, 3)."""
         begins = _begins(loads)
         straight = np.array([[length(p)], [0.0], [0.0]])
-        pulled = _last_pulled(loads, begins, tendon_lengths(p, straight)[:, 0], tendon_lengths(p, pose.T))
+        pulled, travel = _last_pulled(loads, begins, tendon_lengths(p, straight)[:, 0], tendon_lengths(p, pose.T))
+        pulled = blend(p, "stick_zone", pulled, pulled * (1.0 - np.exp(-travel / STICK)))
         dwell = np.where(np.isfinite(loads.dwell), loads.dwell, 0.0)
         peak = np.concatenate([np.maximum.accumulate(loads.lam[rows].sum(axis=1)) for rows in _histories(begins)])
         return cls(begins, hours(loads), dwell, peak / FULL_LOAD, pose[:, 2], pulled)
@@ -105,13 +107,19 @@ def aged(p: Parameters, past: Past) -> Parameters:
     as the precurvature that makes their couples in the new neck.
     """
     share = (
-        (1.0 - p["effects.mullins_softening"] * past.peak)
-        * (1.0 + p["effects.stiffness_drift"] * past.hours)
+        (
+            1.0
+            - p["effects.mullins_softening"] * blend(p, "mullins_saturates", past.peak, 1.0 - np.exp(-2.0 * past.peak))
+        )
+        * (1.0 + p["effects.stiffness_drift"] * drifted(p, past.hours))
         / (1.0 + p["effects.creep"] * np.log10(1.0 + past.dwell))
     )
     changed: Mapping[str, Array] = {key: p[key] * share for key in ("beam.EA", "beam.GA", "beam.EI")}
-    rub = p["effects.bending_hysteresis.couple"] * past.slider(p["effects.bending_hysteresis.angle"])
-    turn = p["effects.fading_memory.share"] * past.gap(p["effects.fading_memory.time"])
+    angle, time = p["effects.bending_hysteresis.angle"], p["effects.fading_memory.time"]
+    sliders = 0.5 * (past.slider(0.5 * angle) + past.slider(2.0 * angle))
+    rub = p["effects.bending_hysteresis.couple"] * blend(p, "two_sliders", past.slider(angle), sliders)
+    gaps = 0.5 * (past.gap(time / 3.0) + past.gap(3.0 * time))
+    turn = p["effects.fading_memory.share"] * blend(p, "stretched_memory", past.gap(time), gaps)
     turn = turn + outside.memory(p, (past.gap(outside.TIMES[0]), past.gap(outside.TIMES[1])))
     cast = p["effects.precurvature"] - rub / p["beam.EI"] - turn / length(p)
     return {**p, **changed, "effects.precurvature": cast}
@@ -124,16 +132,26 @@ def tendon_forces(p: Parameters, loads: Measurements, past: Past | None = None) 
     + nonlinearity r_l^2/(160 N) + crosstalk r_r; lam_r with left and right exchanged, asymmetries with the other sign.
     """
     r, side, t = loads.lam.T, np.array([[0.5], [-0.5]]), hours(loads)
-    gain = 1.0 + p["effects.force_gain"] + side * p["effects.force_gain_asymmetry"]
+    more = p["effects.force_gain"] + side * p["effects.force_gain_asymmetry"]
+    gain = 1.0 + more * blend(p, "gain_saturates", 1.0, 1.0 - r / 400.0)
     zero = p["effects.force_zero"] + side * p["effects.force_zero_asymmetry"]
-    zero = zero + (p["effects.force_zero_drift"] + side * p["effects.force_zero_drift_asymmetry"]) * t
+    drift = p["effects.force_zero_drift"] + side * p["effects.force_zero_drift_asymmetry"]
+    zero = zero + drift * drifted(p, t)
+    zero = blend(p, "zero_above_2N", zero, np.where(r > NO_FORCE, zero, 0.0))
     rubbed: Array | float = 1.0
     if past is not None:
         mu, wrap = (p[f"effects.tendon_capstan_friction.{name}"] for name in ("coefficient", "wrap"))
+        wrap = blend(p, "wrap_grows", wrap, wrap + 2.0 * side * past.theta)
         rubbed = np.exp(-mu * wrap * past.pulled) * outside.friction(p, past.theta, past.pulled)
-        zero = zero - p["effects.tendon_coulomb_friction"] * past.pulled
+        rub = p["effects.tendon_coulomb_friction"]
+        zero = zero - blend(p, "slack_rubs_not", rub, np.minimum(rub, 0.2 * r)) * past.pulled
     bent = p["effects.force_nonlinearity"] * r * r / FULL_SCALE
     return outside.cells(p, r * gain * rubbed + zero + bent + p["effects.force_crosstalk"] * r[::-1], t)
+
+
+def drifted(p: Parameters, hours: Array) -> Array:
+    """Time that drifts go with [h]."""
+    return blend(p, "drift_settles", hours, SETTLES * (1.0 - np.exp(-hours / SETTLES)))
 
 
 def _begins(loads: Measurements) -> NDArray[np.bool_]:
@@ -147,9 +165,14 @@ def _histories(begins: NDArray[np.bool_]) -> Iterator[NDArray[np.int64]]:
     yield from np.split(np.arange(begins.size), np.flatnonzero(begins)[1:])
 
 
-def _last_pulled(loads: Measurements, begins: NDArray[np.bool_], straight: Array, lengths: Array) -> Array:
-    """Return the direction of each tendon's last move, (2, n); rows with one pose_id in succession count as one."""
-    pulled = np.zeros_like(lengths)
+def _last_pulled(
+    loads: Measurements, begins: NDArray[np.bool_], straight: Array, lengths: Array
+) -> tuple[Array, Array]:
+    """Return the direction and the length of each tendon's last move, (2, n) each.
+
+    Rows with one pose_id in succession count as one.
+    """
+    pulled, travel = np.zeros_like(lengths), np.zeros_like(lengths)
     before, now, way = straight, straight, np.zeros(2)
     for i in range(loads.n):
         if begins[i]:
@@ -158,5 +181,5 @@ def _last_pulled(loads: Measurements, begins: NDArray[np.bool_], straight: Array
         if not same:
             before, now = now, lengths[:, i]
             way = np.where(now == before, way, np.sign(before - now))
-        pulled[:, i] = way
-    return pulled
+        pulled[:, i], travel[:, i] = way, np.abs(now - before)
+    return pulled, travel

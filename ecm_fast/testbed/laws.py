@@ -19,6 +19,7 @@ from ..mechanism.catalogue import camera, ends, environment, forces, geometry, p
 from ..mechanism.mechanism import Mechanism
 from ..mechanism.sections import EFFECT_QUANTITIES, SECTIONS
 from . import outside
+from .variants import COUPLE, ONSET, SLACK, blend
 
 __all__ = [
     "BUILT_IN",
@@ -107,10 +108,12 @@ def length(p: Parameters) -> float:
 
 def clamp(p: Parameters, force: Array, couple: Array) -> Array:
     """Pose of the beam's foot, (3, ...), under the force (2, ...) and couple (...) that the beam exerts there."""
+    size = np.where(couple.real < 0.0, -couple, couple)
+    turning = blend(p, "clamp_stiffens", couple, couple / (1.0 + size / COUPLE))
     gives_way = (
         p["effects.clamp_axial_compliance"] * force[0],
         p["effects.clamp_lateral_compliance"] * force[1],
-        p["effects.clamp_rotation_compliance"] * couple,
+        p["effects.clamp_rotation_compliance"] * turning,
     )
     return np.stack([gives_way[0], gives_way[1], p["effects.clamp_tilt"] + gives_way[2]])
 
@@ -162,12 +165,22 @@ def _spread(pose: Array, vector: Array) -> Array:
 def _surroundings(p: Parameters, rows: Loads, pose: Array) -> Array:
     """Wrench at Q, (3, ...), of cables, springs and stops."""
     _, z, theta = pose
-    side = p["effects.side_force"] * rows.share - p["effects.lateral_spring"] * z + outside.wall(p, z)
-    turn = -p["effects.rotational_spring"] * theta
+    push = p["effects.side_force"] * rows.share
+    aside = blend(p, "spring_hardens", z, z * (1.0 + (z / 0.04) ** 2) / 1.5)
+    aside = blend(p, "spring_slack", aside, _beyond(z, SLACK) - _beyond(-z, SLACK))
+    side = push * blend(p, "follower", 1.0, np.cos(theta)) - p["effects.lateral_spring"] * aside + outside.wall(p, z)
+    along = push * blend(p, "follower", 0.0, np.sin(theta))
+    turn = -p["effects.rotational_spring"] * blend(p, "spring_hardens", theta, theta * (1.0 + (2.0 * theta) ** 2) / 1.5)
     both, one = "effects.contact_stop", "effects.contact_stop_one_sided"
-    turn = turn - p[f"{both}.stiffness"] * (_beyond(theta, p[f"{both}.angle"]) - _beyond(-theta, p[f"{both}.angle"]))
-    turn = turn - p[f"{one}.stiffness"] * _beyond(theta, p[f"{one}.angle"])
-    return np.stack([0.0 * side, side, turn])
+    stops = _pressed(p, theta, p[f"{both}.angle"]) - _pressed(p, -theta, p[f"{both}.angle"])
+    turn = turn - p[f"{both}.stiffness"] * stops - p[f"{one}.stiffness"] * _pressed(p, theta, p[f"{one}.angle"])
+    return np.stack([along + 0.0 * side, side, turn])
+
+
+def _pressed(p: Parameters, angle: Array, stop: float) -> Array:
+    """Angle by which the head presses into a stop."""
+    beyond = _beyond(angle, stop)
+    return blend(p, "soft_onset", beyond, beyond * beyond / (beyond + ONSET))
 
 
 def _beyond(value: Array, threshold: float) -> Array:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError, did_you_mean, shown
+from .variants import VARIANTS
 
 __all__ = ["OUTSIDE", "Outside", "cells", "flexure", "friction", "lag", "memory", "named", "roll", "wall"]
 
@@ -38,6 +39,7 @@ OUTSIDE: Mapping[str, Outside] = {
 }
 """Every effect outside the catalogue by its name."""
 
+_KINDS = {"outside": OUTSIDE, "variant": VARIANTS}
 WALL = 0.012
 """Place of the wall along z [m]."""
 WARM_UP = 1.0 / 3.0
@@ -49,18 +51,19 @@ FULL_LOAD = 320.0
 
 
 def named(sizes: Mapping[str, float]) -> dict[str, float]:
-    """Return all sizes by their keys in the test bed.
+    """Return all sizes, and the shares of all variants, by their keys in the test bed.
 
     Raises
     ------
     InputError : no such effect, or its size is not a finite number.
     """
     for name, size in sizes.items():
-        if name not in OUTSIDE:
-            raise InputError(f"{name}: no effect of the test bed is called so{did_you_mean(name, OUTSIDE)}")
+        if name not in OUTSIDE and name not in VARIANTS:
+            known = [*OUTSIDE, *VARIANTS]
+            raise InputError(f"{name}: no effect of the test bed is called so{did_you_mean(name, known)}")
         if isinstance(size, bool) or not isinstance(size, (int, float)) or not np.isfinite(size):
             raise InputError(f"{name} = {shown(size)}: allowed is a finite number")
-    return {f"outside.{name}": float(sizes.get(name, 0.0)) for name in OUTSIDE}
+    return {f"{kind}.{name}": float(sizes.get(name, 0.0)) for kind, names in _KINDS.items() for name in names}
 
 
 def cells(p: Parameters, lam: Array, hours: Array) -> Array:

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .laws import Parameters, length
+from .variants import LEVEL, SHEAR_LEVEL, blend, used
 
 __all__ = ["FURTHER", "jumps", "section", "stiffness"]
 
@@ -42,13 +43,16 @@ def stiffness(p: Parameters, s: float) -> tuple[Array, Array, Array]:
     soft = p["effects.soft_spot.size"] if abs(s - middle * L) < p["effects.soft_spot.width"] / 2.0 else 0.0
     decay = p["effects.bonded_ends.decay"]
     bonded = p["effects.bonded_ends.size"] * (np.exp(-s / decay) + np.exp(-(L - s) / decay))
-    share = (1.0 + p["effects.stiffness_taper"] * (2.0 * s / L - 1.0)) * (1.0 - soft) * (1.0 + bonded)
+    along = blend(p, "taper_quadratic", 2.0 * s / L - 1.0, 2.0 * (s / L) ** 2 - 2.0 / 3.0)
+    share = (1.0 + p["effects.stiffness_taper"] * along) * (1.0 - soft) * (1.0 + bonded)
     return p["beam.EA"] * share, p["beam.GA"] * share, p["beam.EI"] * share
 
 
 def jumps(p: Parameters) -> list[float]:
-    """Arclengths between clamp and tip at which `stiffness` jumps [m], in order."""
+    """Arclengths between clamp and tip at which `stiffness` or the cast jumps [m], in order."""
     L, half = length(p), p["effects.soft_spot.width"] / 2.0
+    if used(p, "cast_below"):
+        return [0.5 * L]
     if p["effects.soft_spot.size"] == 0.0 or half == 0.0:
         return []
     middle = p["effects.soft_spot.place"] * L
@@ -66,13 +70,25 @@ def section(p: Parameters, s: float, strains: Array) -> Array:
     N, Q, M = N0, GA * gamma_z, EI * u
     for key, law in FURTHER.items():
         if (a := p[key]) != 0.0:
-            N, Q, M = (mine + more for mine, more in zip((N, Q, M), law(a, at), strict=True))
+            N, Q, M = (mine + more for mine, more in zip((N, Q, M), _levelled(p, law(a, at), at), strict=True))
     return np.stack([N, Q, M + e * N])
 
 
 def _cast(p: Parameters, s: float) -> Array:
     """Curvature of the beam as it was cast [1/m]."""
-    return p["effects.precurvature"] + p["effects.precurvature_gradient"] * (2.0 * s / length(p) - 1.0)
+    along = blend(p, "cast_below", 1.0, 1.5 if s < 0.5 * length(p) else 0.5)
+    return p["effects.precurvature"] * along + p["effects.precurvature_gradient"] * (2.0 * s / length(p) - 1.0)
+
+
+def _levelled(p: Parameters, gradient: Gradient, at: Station) -> Gradient:
+    """Laws of bending and shear that grow less and less; each depends on one strain alone, so that it has an energy."""
+    N, Q, M = gradient
+    shear, bending = at.gamma_z / SHEAR_LEVEL, at.u / LEVEL
+    return (
+        N,
+        blend(p, "shear_levels_off", Q, Q / (1.0 + shear * shear)),
+        blend(p, "bending_levels_off", M, M / (1.0 + bending * bending)),
+    )
 
 
 def _axial_law(p: Parameters, EA: Array, g: Array) -> tuple[Array, Array]:

@@ -3,8 +3,7 @@
 import pytest
 
 from ecm_fast import Mechanism, diagnose
-from ecm_fast.diagnosis.answer.caveats import _away, size_caveats, stiffness_caveats
-from ecm_fast.diagnosis.results.findings import Claim
+from ecm_fast.diagnosis.answer.caveats import _away, stiffness_caveats
 from ecm_fast.identification.result import Estimate
 from ecm_fast.mechanism.parameters import find
 from ecm_fast.testbed import measure, tendon_test
@@ -67,14 +66,3 @@ def test_a_negative_stiffness_is_never_wanted(wanted, caveat) -> None:
 def test_value_and_doubt_have_the_same_digits(value, std, text) -> None:
     """By hand: the text."""
     assert repr(Estimate(value, std, value, value, "N")) == text
-
-
-def test_a_size_far_beyond_what_is_usual_is_said() -> None:
-    """Typical is a precurvature of 0.2 1/m, on top of what the mechanism is known to have."""
-
-    def found(size):
-        return [Claim("precurvature", {"precurvature": size}, {"precurvature": (size, size)}, (), "odd", "", 9.0, 1.0)]
-
-    (text,) = size_caveats(found(-1.0), NECK)
-    assert text.startswith("precurvature is 5 times as large as is typical")
-    assert size_caveats(found(0.7), NECK) == size_caveats(found(1.0), NECK.replace(precurvature=0.4)) == ()

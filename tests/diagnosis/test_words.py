@@ -35,6 +35,16 @@ def test_a_size_has_its_unit_its_interval_and_its_meaning() -> None:
     assert meaning(shorter).endswith("farther from the middle than drawn; below zero: the other way round")
 
 
+def test_a_size_far_beyond_what_is_usual_is_said_at_once() -> None:
+    """By hand: the first sentence says it from four typical sizes on, and how the law differs."""
+    gap = HoldoutMisfit(20, "rows set aside", Rms(1e-4, 1e-4, 1e-3, 9.0), Rms(1e-4, 1e-4, 1e-3, 2.0), EXACT, EXACT, 1.0)
+    five, three = (sentence("named", (replace(CLAIM, times=times),), gap, (), (), None) for times in (5.1, 3.0))
+    assert "(90 %: 0.00143 to 0.00161), 5 times what is typical, so that it may stand for" in five
+    assert "typical" not in three
+    bent = sentence("named", (replace(CLAIM, law="its law differs"),), gap, (), (), None)
+    assert "0.00161), its law differs; on 20 rows" in bent
+
+
 def test_look_alikes_have_the_sizes_that_they_would_have() -> None:
     """The best explanation that has a name says its size; a single effect says nothing of a pair."""
     claim = replace(CLAIM, look_alikes=("lever_arm", "soft_spot"), probability=0.62)

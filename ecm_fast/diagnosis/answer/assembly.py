@@ -21,7 +21,7 @@ from ..results.plan import Plan
 from ..search.fit import Fit, refit
 from ..search.outliers import excess_noise
 from ..search.result import Selection
-from .caveats import alarms, correlation_caveats, mesh_caveats, size_caveats, stiffness_caveats
+from .caveats import alarms, correlation_caveats, mesh_caveats, stiffness_caveats
 from .claims import claims, estimates
 from .sentences import missing_columns, nearest, sentence, verdict_of
 
@@ -121,7 +121,6 @@ def assemble(
             *(excess_noise(view) if selection.effects else ()),
             *nearest(selection),
             *mesh_caveats(problem.unresolved),
-            *size_caveats(effects, problem.mechanism),
             *correlation_caveats(best, problem.candidates),
             *stiffness_caveats(calibrated_now, problem.mechanism, {find(name).name for name in known}),
         ),

@@ -1,30 +1,26 @@
 """Caveats of an answer: doubtful stiffnesses, an untested second name, unusual sizes."""
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 
 import numpy as np
 
 from ...identification.result import Estimate
-from ...mechanism.catalogue import CATALOGUE
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.parameters import find
 from ...mechanism.quantity import Quantity
 from ...mechanism.sections import STIFFNESSES
 from ..problem.candidates import EffectCandidate
 from ..problem.stiffness_scale import STIFFNESS_KEYS
-from ..results.findings import Claim
 from ..search.fit import Fit
 from ..search.result import Selection
 
-__all__ = ["alarms", "correlation_caveats", "mesh_caveats", "size_caveats", "stiffness_caveats"]
+__all__ = ["alarms", "correlation_caveats", "mesh_caveats", "stiffness_caveats"]
 
 _LOOSE = 0.15
 """Standard deviation, in shares of the value, beyond which a stiffness is hardly fixed."""
 _FAR, _MUCH = 5.0, 0.2
 """Standard deviations, and shares of the value, by which a stiffness may leave the mechanism file: two batches of one
 rubber differ by a tenth, and calibration is there to find by how much."""
-_UNUSUAL = 4.0
-"""Typical sizes beyond which an effect may stand for another one."""
 _TOGETHER = 0.95
 """Correlation from which on data see a combination of two parameters of an effect rather than each."""
 _ALARM = 3.0  # standard deviations: one alarm in 370 by chance
@@ -40,18 +36,6 @@ def mesh_caveats(unresolved: int) -> tuple[str, ...]:
     if not unresolved:
         return ()
     return (f"the discretization error of {unresolved} rows exceeds a tenth of their noise: what is named may be that",)
-
-
-def size_caveats(claims: Iterable[Claim], mechanism: Mechanism) -> tuple[str, ...]:
-    """Return a line for every effect that is found far larger than it usually is."""
-    lines = list[str]()
-    for claim in claims:
-        entry = CATALOGUE[claim.name].size
-        times = abs(claim.parameters[entry.name] - mechanism.effects.get(entry.name, 0.0)) / entry.typical
-        if times > _UNUSUAL:
-            lines.append(f"{claim.name} is {times:.0f} times as large as is typical: something that is in no catalogue "
-                         "may pass for it")  # fmt: skip
-    return tuple(lines)
 
 
 def correlation_caveats(fit: Fit, candidates: Sequence[EffectCandidate]) -> tuple[str, ...]:

@@ -51,9 +51,18 @@ def claims(selection: Selection, without: Mapping[int, Fit]) -> tuple[Claim, ...
                 group=candidate.effect.group,
                 sigmas=float(np.sqrt(max(rest.total - fit.total, 0.0))),
                 probability=chance,
+                times=abs(fit.by_key()[candidate.keys[0]] - candidate.start[0]) / candidate.typical,
+                law=_law(fit),
             )
         )
     return tuple(answer)
+
+
+def _law(fit: Fit) -> str:
+    """Return how the law of an effect differs from the catalogue's."""
+    if fit.bent > 0.0:
+        return f"its law differs from the catalogue's by {fit.bent:.0%} of it, mostly {fit.words}"
+    return "seen by a camera that was zeroed at rest" if fit.varied else ""
 
 
 def _look_alikes(

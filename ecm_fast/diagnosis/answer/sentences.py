@@ -25,6 +25,7 @@ __all__ = [
     "verdict_of",
 ]
 
+_UNUSUAL = 4.0  # typical sizes beyond which an effect may stand for another one
 _FEW_NAMES = 4  # that a sentence can list
 
 
@@ -95,6 +96,9 @@ def _listed(names: Sequence[str]) -> str:
 
 def _named(claim: Claim) -> str:
     number = size(claim, next(iter(claim.parameters)))
+    if claim.times > _UNUSUAL:
+        number += f", {claim.times:.0f} times what is typical, so that it may stand for something in no catalogue"
+    number += f", {claim.law}" if claim.law else ""
     if not claim.look_alikes:
         return number
     return f"{number}, which these data cannot tell from {' or '.join(claim.look_alikes)}"

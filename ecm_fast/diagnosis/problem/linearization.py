@@ -15,6 +15,7 @@ from ..statistics.evidence import EvidenceMatrix
 from ..statistics.lack_of_fit import NAMED, SMOOTH, score_test, trend_test
 from ..statistics.robust_noise import NoiseFit, RowOrder, clean, orthonormal
 from .candidates import EffectCandidate
+from .law_tolerance import POSITION_ANGLE, law_columns, modulations
 from .problem import Problem, Weights
 from .stiffness_scale import STIFFNESS_KEYS
 from .trends import smooth_columns
@@ -47,6 +48,8 @@ class Linearization:
     chain : their order
     cleaned : their residuals, winsorized, outliers left out
     smooth : functions (all rows, q) that a disagreement without a name may follow, and of which kind each one is
+    share : by which the laws of the model's effects may differ from the catalogue's, see `law_tolerance`; none where
+        they are taken as they are
     """
 
     problem: Problem
@@ -61,6 +64,7 @@ class Linearization:
     cleaned: NoiseFit
     outliers: NDArray[np.int64]
     smooth: tuple[Array, NDArray[np.int64]] = field(repr=False)
+    share: float | None = None
 
     @classmethod
     def at(
@@ -71,6 +75,7 @@ class Linearization:
         noise: ReadingNoise,
         *,
         known: bool = False,
+        share: float | None = None,
     ) -> "Linearization":
         """Look at the rows that are not locked from `values`; with `known` noise the residuals tell nothing of it."""
         more = [
@@ -86,20 +91,18 @@ class Linearization:
         at = np.array([values.get(key, float(value)) for key, value in zip(solver.names, at, strict=True)])
         problem.progress.step(problem.open.size, "derivatives by all effects")
         state = solver.at(at).among(problem.rows.n, problem.open)
-        use = state.stable
-        if not use.any():
+        if not state.stable.any():
             raise NotConverged("no row has a stable equilibrium on this mechanism")
-        weights, rows = problem.weights(noise, state, solver.names), np.flatnonzero(use)
-        smooth = smooth_columns(problem.data, use)
+        weights, rows = problem.weights(noise, state, solver.names), np.flatnonzero(state.stable)
+        smooth = smooth_columns(problem.data, state.stable)
         draft = cls(problem, model, values, state, solver.names, noise, weights, rows, problem.chain(rows),
-                    _NOTHING, rows[:0], smooth)  # fmt: skip
+                    _NOTHING, rows[:0], smooth, share)  # fmt: skip
         cleaned = draft._as_declared() if known else draft._clean()
         if cleaned.outlier.any():
             kept = ~cleaned.outlier
             lost, rows = rows[~kept], rows[kept]
-            chain = problem.chain(rows)
             cleaned = replace(cleaned, residual=cleaned.residual[kept], outlier=cleaned.outlier[kept])
-            return replace(draft, rows=rows, chain=chain, cleaned=cleaned, outliers=lost)
+            return replace(draft, rows=rows, chain=problem.chain(rows), cleaned=cleaned, outliers=lost)
         return replace(draft, cleaned=cleaned)
 
     @cached_property
@@ -107,6 +110,14 @@ class Linearization:
         """Measured less predicted, whitened, (n, 3)."""
         off = np.where(self.used, (self.problem.rows.measured - self.state.pose)[self.rows], 0.0)
         return np.asarray((self.whitening @ off[:, :, None])[:, :, 0])
+
+    @cached_property
+    def left(self) -> Array:
+        """Residual `raw` beyond what the laws of the model's effects may differ by, (n, 3)."""
+        laws = self.laws_of(self.model, self.values)
+        columns = laws.reshape(3 * len(self.rows), laws.shape[2])
+        amplitudes = np.linalg.solve(columns.T @ columns + np.eye(columns.shape[1]), columns.T @ self.raw.ravel())
+        return self.raw - laws @ amplitudes
 
     @cached_property
     def used(self) -> Mask:
@@ -133,12 +144,36 @@ class Linearization:
         """Column of `by` by key."""
         return {key: i for i, key in enumerate(self.keys)}
 
-    # What is free, in order: calibrated parameters, what is hidden, sizes of the model, their further ones
+    # Free are, in order: calibrated parameters, what is hidden, sizes of the model, their further ones
 
     @cached_property
     def hidden(self) -> Array:
         """One standard deviation of what instruments and the build hide, whitened, (n, 3, s)."""
-        return np.concatenate([self.weights.shift, self.weights.build], axis=2)[self.rows]
+        return self.hidden_of(self.model, self.values)
+
+    def hidden_of(self, model: tuple[int, ...], values: Mapping[str, float]) -> Array:
+        """Return what is hidden where the effects of a model have these values by key, whitened, (n, 3, s)."""
+        laws, build = self.laws_of(model, values), self.weights.build[self.rows]
+        return np.concatenate([self.weights.shift[self.rows], laws, build], axis=2)
+
+    def laws_of(self, model: tuple[int, ...], values: Mapping[str, float]) -> Array:
+        """Return one standard deviation of what the laws of a model's effects may differ by, whitened, (n, 3, q)."""
+        columns = [self.weights.shift[self.rows][:, :, :0]]
+        if self.share is None:
+            return columns[0]
+        functions = modulations(self.problem.data, self.state.pose)[self.rows]
+        for candidate in map(self.candidate, model):
+            size = values.get(candidate.keys[0], candidate.start[0]) - candidate.start[0]
+            signature = np.nan_to_num(size * self.by[:, :, self.place[candidate.keys[0]]])
+            if self.share > 0.0:
+                columns.append(law_columns(signature, functions, self.whitening, self.share))
+            if candidate.effect.enters == "camera":
+                columns.append(self.whitening @ (size * self.at_rest(candidate.keys[0])[:, None] * POSITION_ANGLE))
+        return np.concatenate(columns, axis=2)
+
+    def at_rest(self, key: str) -> Array:
+        """Return the derivative of the readings of the unloaded neck by a parameter, (3,)."""
+        return np.asarray(self.problem.rest[self.problem.rest_keys[key]])
 
     @cached_property
     def nuisances(self) -> tuple[Array, Array, Array]:
@@ -167,11 +202,12 @@ class Linearization:
         pairs = [
             (key, std)
             for i in self.model
-            for key, std in zip(self._of(i).keys[1:], self._of(i).spread[1:], strict=True)
+            for key, std in zip(self.candidate(i).keys[1:], self.candidate(i).spread[1:], strict=True)
         ]
         return np.asarray(self.by[:, :, [place[key] for key, _ in pairs]] * np.array([std for _, std in pairs]))
 
-    def _of(self, i: int) -> EffectCandidate:
+    def candidate(self, i: int) -> EffectCandidate:
+        """Return the candidate at a place."""
         return self.problem.candidates[i]
 
     @cached_property
@@ -184,7 +220,7 @@ class Linearization:
         """Sizes of the effects in the model, in prior standard deviations, (k,)."""
         out = np.zeros(len(self.problem.candidates))
         for i in self.model:
-            candidate = self._of(i)
+            candidate = self.candidate(i)
             value = self.values.get(candidate.keys[0], candidate.start[0])
             out[i] = (value - candidate.start[0]) / candidate.spread[0]
         return out
@@ -193,7 +229,8 @@ class Linearization:
         return NoiseFit(self.raw, np.ones(3), 0.0, 0.0, 0.0, np.inf, np.zeros(len(self.rows), dtype=bool))
 
     def _clean(self) -> NoiseFit:
-        columns = [self.by[:, :, : len(self.problem.keys)], self.weights.shift[self.rows]]
+        laws = self.laws_of(self.model, self.values)
+        columns = [self.by[:, :, : len(self.problem.keys)], self.weights.shift[self.rows], laws]
         readings = int(self.used.sum())
         span = np.concatenate([*columns, self.sizes[:, :, list(self.model)], self.further], axis=2)
         base = orthonormal(span.reshape(3 * len(self.rows), -1))
@@ -247,9 +284,9 @@ class Linearization:
         pad = len(columns) - len(self.free)
         free = np.hstack([np.vstack([self.free, np.zeros((pad, self.free.shape[1]))]), columns])
         offsets = [
-            (self._of(i).start[n] - self.values.get(key, self._of(i).start[n])) / self._of(i).spread[n]
-            for i in self.model
-            for n, key in enumerate(self._of(i).keys)
+            (candidate.start[n] - self.values.get(key, candidate.start[n])) / candidate.spread[n]
+            for candidate in map(self.candidate, self.model)
+            for n, key in enumerate(candidate.keys)
             if n
         ]
         residual = np.concatenate([self.residual, offsets])
@@ -297,7 +334,7 @@ class Linearization:
             now = self.values[key]
             start[key] = now / max(1.0 - move / now, 0.2) if key in STIFFNESS_KEYS else now + move
         for i, size in zip(places, sizes.tolist(), strict=True):
-            start[self._of(i).keys[0]] = self._of(i).start[0] + size * self._of(i).spread[0]
+            start[self.candidate(i).keys[0]] = self.candidate(i).start[0] + size * self.candidate(i).spread[0]
         return start
 
     def smoothed(self) -> Array:

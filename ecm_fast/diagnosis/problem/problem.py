@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,6 +109,19 @@ class Problem:
         """Return rows, default all, as functions of what calibration moves and of `extra` parameters."""
         added = [key for key in extra if key not in self.keys]
         return FitRows(self.sets, (*self.keys, *added), self.mesh, rows)
+
+    @cached_property
+    def rest_keys(self) -> dict[str, int]:
+        """Place in `rest` of the effects of the camera, by the key of their size."""
+        camera = [candidate.keys[0] for candidate in self.candidates if candidate.effect.enters == "camera"]
+        return {key: i for i, key in enumerate(camera)}
+
+    @cached_property
+    def rest(self) -> Array:
+        """Derivatives of the readings of the unloaded neck by the sizes of the camera's effects, (k, 3)."""
+        none = Measurements.from_columns({"lam_l_N": [0.0], "lam_r_N": [0.0]})
+        rows = FitRows([FitSet(self.mechanism, none)], tuple(self.rest_keys), self.mesh)
+        return np.asarray(rows.at(self.start(rows.names)).by[0].T)
 
     def keys_of(self, model: Sequence[int]) -> list[str]:
         """Return the keys of all parameters of the candidates at these places."""

@@ -45,6 +45,8 @@ class Claim:
     sigmas : how far it stands out: the root of what the weighted sum of squares gains where it alone is left out and
         all else is fitted again
     probability : of this name among its look-alikes, if the truth is one of them
+    times : its size over the typical one
+    law : how its law differs from the catalogue's, empty where it does not
     """
 
     name: str
@@ -55,6 +57,8 @@ class Claim:
     group: str
     sigmas: float
     probability: float
+    times: float = 1.0
+    law: str = ""
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the entry of ``effects`` in a diagnosis's JSON."""
@@ -67,6 +71,8 @@ class Claim:
             "group": self.group,
             "sigmas": self.sigmas,
             "probability": self.probability,
+            "times_typical": self.times,
+            "law": self.law,
         }
 
 

@@ -12,6 +12,7 @@ from ..problem.linearization import Linearization
 from ..problem.problem import Problem
 from ..problem.stiffness_scale import Scales
 from ..statistics.priors import size_factor
+from .law_variants import FRAME, bent, zeroing
 
 __all__ = ["Fit", "refit"]
 
@@ -36,6 +37,9 @@ class Fit:
     total : weighted sum of squares, priors included
     settled : whether that is the minimum
     build : dimensions by key, as the fit has them within their tolerances
+    share : by which the laws of its effects were allowed to differ from the catalogue's; none where they were not
+    bent : by which they do, as a share of the effects
+    words : what the largest part of that goes with
     evidence : less that of the fit without effects gives twice the logarithm of their ratio
     """
 
@@ -47,6 +51,14 @@ class Fit:
     evidence: float
     settled: bool
     build: Mapping[str, float] = field(default_factory=dict)
+    share: float | None = None
+    bent: float = 0.0
+    words: str = ""
+
+    @property
+    def varied(self) -> bool:
+        """Whether the law of its effect differs from the catalogue's, or the camera was zeroed at rest."""
+        return self.bent > 0.0 or (self.share is not None and not set(FRAME).isdisjoint(self.build))
 
     def by_key(self) -> dict[str, float]:
         """Return the values by key."""
@@ -76,12 +88,11 @@ def refit(view: Linearization, model: tuple[int, ...], start: Mapping[str, float
     members = [problem.candidates[i] for i in model]
     solver = problem.solver(problem.keys_of(model), view.rows)
     problem.progress.step(len(view.rows), " and ".join(member.name for member in members) or "no effect")
-    p, shifts = len(solver.names), view.hidden.shape[2]
+    p = len(solver.names)
     calibrated = len(problem.keys)
     prior = problem.prior.extended(
         [value for member in members for value in member.start], [std for member in members for std in member.spread]
     )
-    by_shift = np.eye(shifts, p + shifts, p)
     lower, upper = solver.bounds()
     plain = problem.start(solver.names)
     first = np.array([start.get(key, float(value)) for key, value in zip(solver.names, plain, strict=True)])
@@ -89,7 +100,9 @@ def refit(view: Linearization, model: tuple[int, ...], start: Mapping[str, float
     first[calibrated:] = np.clip(
         first[calibrated:], prior.center[calibrated:] - reach, prior.center[calibrated:] + reach
     )
-    shift = view.flat(view.hidden)
+    hidden = view.hidden_of(model, dict(zip(solver.names, first.tolist(), strict=True)))
+    shift, shifts = view.flat(hidden), hidden.shape[2]
+    by_shift = np.eye(shifts, p + shifts, p)
     whitening, pose = view.whitening, view.state.pose[view.rows]
 
     scales, tried = Scales.from_start(solver.names, plain), 0
@@ -121,11 +134,12 @@ def refit(view: Linearization, model: tuple[int, ...], start: Mapping[str, float
         return Fit(model, tuple(solver.names), no_effect, np.full((p, p), np.inf), np.inf, -np.inf, settled=False)
     lower, upper = scales.bounds(lower, upper)
     found = minimize(residuals, begin, np.concatenate([lower, -wide]), np.concatenate([upper, wide]), near=_NEAR)
-    return _judged(found, view, model, tuple(solver.names), scales)
+    laws = shifts - view.weights.shift.shape[2] - view.weights.build.shape[2]
+    return _judged(found, view, model, tuple(solver.names), scales, laws)
 
 
 def _judged(
-    minimum: Minimum, view: Linearization, model: tuple[int, ...], keys: tuple[str, ...], scales: Scales
+    minimum: Minimum, view: Linearization, model: tuple[int, ...], keys: tuple[str, ...], scales: Scales, laws: int
 ) -> Fit:
     """Return the fit with its evidence, Laplace's approximation: the calibrated parameters' own share cancels."""
     p, calibrated, members = len(keys), len(view.problem.keys), [view.problem.candidates[i] for i in model]
@@ -138,7 +152,10 @@ def _judged(
     posterior = covariance[calibrated:p, calibrated:p] / np.outer(spread, spread)
     evidence = -minimum.total
     if posterior.size:
-        evidence += float(np.linalg.slogdet(posterior)[1])
+        first = p + view.weights.shift.shape[2]
+        own = [*range(calibrated, p), *range(first, first + laws)]
+        unit = np.concatenate([spread, np.ones(laws)])
+        evidence += float(np.linalg.slogdet(covariance[np.ix_(own, own)] / np.outer(unit, unit))[1])
         sizes = np.cumsum([0, *(len(member.keys) for member in members)])[:-1]
         start = np.array([value for member in members for value in member.start])
         size = ((minimum.values[calibrated:p] - start) / spread)[sizes]
@@ -147,7 +164,12 @@ def _judged(
     slope = scales.slope(minimum.values[:p])
     covariance = covariance[:p, :p] * np.outer(slope, slope)
     fitted, build = _with_build(scales.values(minimum.values[:p]), keys, view, minimum.values[p:])
-    return Fit(model, keys, fitted, covariance, minimum.total, evidence, minimum.settled, build)
+    amplitudes = minimum.values[p + view.weights.shift.shape[2] :][:laws]
+    at = dict(zip(keys, fitted.tolist(), strict=True))
+    build |= zeroing(view, model, at, amplitudes)
+    share, words = bent(view, model, at, amplitudes)
+    return Fit(model, keys, fitted, covariance, minimum.total, evidence, minimum.settled, build, view.share,
+               share, words)  # fmt: skip
 
 
 def _with_build(

@@ -1,19 +1,22 @@
 """Model selection: no effect, one or two, as the tests say of the best explanation by each number."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..problem.law_tolerance import SHARES
 from ..problem.linearization import Linearization
 from ..problem.problem import Problem
 from ..results.diagnosis import LackOfFit
 from .calibration import calibrate
 from .fit import Fit, refit
 from .initial_values import initial_values
+from .law_variants import zeroed
 from .odds import alternative_caveat
 from .outliers import drop_single_row_alarms, excess_noise
-from .ranked_fits import Fits, fit_alone, fit_models, fit_pairs, fit_singles, least_evidence
-from .result import Selection, implausible, leaves_most
+from .ranked_fits import Fits, best_of, fit_alone, fit_models, fit_pairs, fit_singles, least_evidence
+from .result import LIMITS, Selection, implausible, leaves_most
 
 __all__ = [
     "FAILS",
@@ -23,6 +26,7 @@ __all__ = [
     "UNTRIED",
     "WORTH",
     "Trial",
+    "gain_of_two",
     "search",
     "search_from",
     "second_effect",
@@ -32,6 +36,17 @@ __all__ = [
 
 WORTH = 9.2
 """Evidence that a second name must add, whether or not a test still sees something beside the first."""
+VARIED = 3.2
+"""Evidence that a law as in the catalogue is ahead of one that differs, before the data speak: five to one."""
+MOST_BENT = 0.15
+"""Share of an effect by which its law may differ and still be its law: outside the catalogue it takes 28 % and more."""
+LARGE = 2.5
+"""Typical sizes from which on an effect may stand for another one of another law."""
+_NEAR = 10.0  # evidence behind the best by which an effect of a zeroed camera is worth a fit
+APART = 6.0
+"""Evidence by which two effects must be ahead of a third one with another law: twenty to one."""
+MENDS = 0.1
+"""Share of an effect's sigmas that a second name may only mend in its law."""
 _SPEAKS = 2.0  # evidence of a factor of e^2 = 7: as good as none is below it
 
 
@@ -104,10 +119,15 @@ def select(
     The search began at `start`, the baseline with further parameters of effects where they begin.
     """
     one = trial(first, baseline, alpha, seed)
-    two, alone = None, list[Fit]()
-    if max_effects >= 2 and (one.outcome == FAILS or second_effect(one.view) > WORTH):
-        two, alone = _two(baseline, start, one, alpha, seed)
+    more = max_effects >= 2 and (one.outcome == FAILS or second_effect(one.view) > WORTH)
+    varied = _varied(baseline, start, one, alpha, seed) if more or _in_doubt(one) else None
+    two, alone = _two(baseline, start, one, varied, alpha, seed) if more and varied else (None, list[Fit]())
     answer = OUTCOMES[one.outcome, two.outcome if two else UNTRIED]
+    if varied and one.outcome == PASSES and answer == "one":
+        one = replace(one, fits=_with_varied(one, varied))
+        one = varied if varied.outcome == PASSES and one.fits[0].varied else one
+    if varied and varied.outcome == PASSES and one.outcome == FAILS and answer != "two":
+        gates, one, two, answer = (*gates, *one.gates), varied, None, "one"
     if answer == "another one" and two:
         again = _another(baseline, start, one, two, alone, alpha, seed)
         one, two = (again, None) if again else (one, two)
@@ -136,17 +156,65 @@ def trial(ranked: Fits, baseline: Linearization, alpha: float, seed: int) -> Tri
     return Trial(reduced, null, fits, gates, PASSES if good else FAILS)
 
 
-def _two(baseline: Linearization, start: Linearization, one: Trial, alpha: float, seed: int) -> tuple[Trial, list[Fit]]:
+def _in_doubt(one: Trial) -> bool:
+    """Whether an explanation by one effect leaves room for another one whose law differs from the catalogue's."""
+    if one.outcome == FAILS or not one.fits:
+        return True
+    (place,), candidates = one.fits[0].model, one.view.problem.candidates
+    candidate = candidates[place]
+    size = one.fits[0].by_key()[candidate.keys[0]] - candidate.start[0]
+    best = max((evidence for evidence, _ in zeroed(one.view).values()), default=-np.inf)
+    return abs(size) > LARGE * candidate.typical or best > one.view.gram.singles()[0][place] - _NEAR
+
+
+def _varied(baseline: Linearization, start: Linearization, one: Trial, alpha: float, seed: int) -> Trial:
+    """Try one effect whose law may differ from the catalogue's."""
+    known = {fit.model: fit for fit in one.fits}
+    ranked = fit_singles(baseline.problem, start, baseline.noise, replace(one.view, share=SHARES[0]), known)
+    return trial(ranked, baseline, alpha, seed)
+
+
+def _with_varied(one: Trial, varied: Trial) -> list[Fit]:
+    """Return the fits of laws as in the catalogue with those, at odds, whose law may differ, the best first."""
+    best = max((fit.evidence for fit in varied.fits), default=0.0)
+    near = [fit for fit in varied.fits if fit.evidence > best - LIMITS[1] - VARIED and fit.bent < MOST_BENT]
+    more = [refit(replace(one.view, share=fit.share), fit.model, fit.by_key()) for fit in near]
+    at_odds = [replace(fit, evidence=fit.evidence - (VARIED if fit.share else 0.0)) for fit in more]
+    return best_of([*one.fits, *at_odds], one.view)
+
+
+def _two(
+    baseline: Linearization, start: Linearization, one: Trial, varied: Trial, alpha: float, seed: int
+) -> tuple[Trial, list[Fit]]:
     """Try two effects; return the trial, and the fits of its best two and, if that passes, the best one, each alone."""
     begin = initial_values(one.view, least_evidence(float(one.view.rest[2].singles()[0].max(initial=-np.inf))))
     views = _with_initial_values(start, begin), _with_initial_values(one.view, begin)
     view, null, fits = fit_pairs(baseline.problem, *views, baseline.noise, one.fits)
     alone = fit_alone(view, fits, one.fits[:1] if one.outcome == PASSES else [])
-    single = max((fit.evidence for fit in alone), default=null.evidence)
-    gain = fits[0].evidence - single if fits else 0.0
+    law = varied.fits[0] if varied.outcome == PASSES else None
+    gain = gain_of_two(view, null, fits, alone, law)
     if gain <= WORTH or implausible(fits[0], view):
         return Trial(view, null, fits, (), NO_GAIN, gain), alone
     return replace(trial((view, null, fits), baseline, alpha, seed), gain=gain), alone
+
+
+def gain_of_two(view: Linearization, null: Fit, pairs: Sequence[Fit], alone: Sequence[Fit], law: Fit | None) -> float:
+    """Return the evidence that two effects have over fewer; a second name is given from `WORTH` on.
+
+    Parameters
+    ----------
+    view, null, pairs : the view at the best two, the fit without effects there, and all fits of two, the best first
+    alone : fits of one effect there
+    law : the fit of one effect that passes the tests with a law that differs, if any does: two must be ahead of that,
+        and a second name beside its own say more than what it mends in its law
+    """
+    fewer = max((fit.evidence for fit in (null, *alone)), default=0.0)
+    if law is not None and law.varied:
+        again = refit(replace(view, share=law.share), law.model, law.by_key())
+        mends = pairs and set(again.model) < set(pairs[0].model)
+        least = MENDS**2 * (null.total - again.total) if mends else APART
+        fewer = max(fewer, again.evidence + least - WORTH)
+    return pairs[0].evidence - fewer if pairs else 0.0
 
 
 def _another(
@@ -179,6 +247,6 @@ def _with_initial_values(view: Linearization, begin: dict[str, float]) -> Linear
 
 
 def _admissible(fits: list[Fit], null: Fit, view: Linearization, baseline: Linearization) -> bool:
-    if not fits or implausible(fits[0], view) or fits[0].evidence - null.evidence <= _SPEAKS:
+    if not fits or implausible(fits[0], view) or leaves_most(view, baseline):
         return False
-    return not leaves_most(view, baseline)
+    return fits[0].bent <= MOST_BENT and fits[0].evidence - null.evidence > _SPEAKS

@@ -1,14 +1,17 @@
 """Full fits of the explanations that the linear model ranks first: by one effect, and by two."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...identification.noise import ReadingNoise
+from ..problem.law_tolerance import SHARES
 from ..problem.linearization import Linearization
 from ..problem.problem import Problem
 from .fit import Fit, refit
+from .law_variants import zeroed
 from .result import implausible
 
 __all__ = ["Fits", "fit_alone", "fit_models", "fit_pairs", "fit_singles", "least_evidence"]
@@ -19,6 +22,8 @@ Fits = tuple[Linearization, Fit, list[Fit]]
 
 _LEFT, _SINGLES, _PAIRS = 30.0, 12, 30
 """Evidence behind the best up to which models are fitted in full, and the fewest of one effect and of two."""
+_VARIED_PASSES, _TOPS = 2, 3  # passes of laws that may differ, and fits for which every share is tried
+_ZEROED = 4  # effects of a camera that was zeroed at rest, tried in full
 _ROUGH = 0.3
 """Share of the best evidence by which the linear ranking may be wrong."""
 _PASSES = 3  # at most, of ranking by the linear fit and fitting in full
@@ -35,24 +40,33 @@ def fit_singles(
 ) -> Fits:
     """Return the view at the best single effect, the fit without any there, and all fits, the best first.
 
-    The search begins at `view`, with the fits that are `known` as starts.
+    The search begins at `view`, with the fits that are `known` as starts; if that is tolerant, all of it is.
     """
-    best, starts = None, dict(known)
-    for _ in range(_PASSES):
+    best, starts, begin = None, dict(known), dict[tuple[int, ...], float]()
+    if view.share is not None:
+        leading = sorted(zeroed(replace(view, share=None)).items(), key=lambda item: -item[1][0])[:_ZEROED]
+        begin = {(i,): size for i, (evidence, size) in leading if evidence > 0.0}
+    for _ in range(_PASSES if view.share is None else _VARIED_PASSES):
         evidence, _ = view.gram.singles()
-        models = [(int(i),) for i in _leaders(evidence, view.gram.norm > 0.0, _SINGLES)]
-        models = list(
-            dict.fromkeys([*models, *(model for model in starts if len(model) == 1 and _near(starts, model))])
-        )
+        leaders = [(int(i),) for i in _leaders(evidence, view.gram.norm > 0.0, _SINGLES)]
+        again = [model for model in starts if len(model) == 1 and _near(starts, model)]
+        models = dict.fromkeys([*leaders, *begin, *again])
         null = refit(view, (), baseline.values)
         fits = fit_models(view, models, starts)
+        for model, size in begin.items():
+            fits.append(refit(view, model, {**null.by_key(), view.problem.candidates[model[0]].keys[0]: size}))
+        if view.share is not None:
+            tops = best_of(fits, view)[:_TOPS]
+            others = [replace(view, share=share) for share in SHARES if share != view.share]
+            fits += [refit(other, fit.model, fit.by_key()) for other in others for fit in tops]
+        fits = best_of(fits, view)
         starts.update({fit.model: fit for fit in fits})
         if not fits:
             return view, null, fits
         if fits[0].model == best:
             break
         best = fits[0].model
-        view = Linearization.at(problem, {**baseline.values, **fits[0].by_key()}, best, noise)
+        view = Linearization.at(problem, {**baseline.values, **fits[0].by_key()}, best, noise, share=fits[0].share)
     return view, null, fits
 
 
@@ -122,6 +136,15 @@ def _ranked(fits: list[Fit], view: Linearization) -> list[Fit]:
     return sorted(
         (fit for fit in fits if np.isfinite(fit.total)), key=lambda fit: (bool(implausible(fit, view)), -fit.evidence)
     )
+
+
+def best_of(fits: Iterable[Fit], view: Linearization) -> list[Fit]:
+    """Return the best fit by each explanation, the best first."""
+    best = dict[tuple[int, ...], Fit]()
+    for fit in fits:
+        if fit.model not in best or fit.evidence > best[fit.model].evidence:
+            best[fit.model] = fit
+    return _ranked(list(best.values()), view)
 
 
 def _leaders(evidence: Array, allowed: NDArray[np.bool_], most: int) -> NDArray[np.int64]:

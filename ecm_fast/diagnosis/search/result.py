@@ -111,5 +111,5 @@ def implausible(fit: Fit, view: Linearization) -> str:
 
 def leaves_most(view: Linearization, baseline: Linearization) -> bool:
     """Whether an explanation leaves most of a misfit that is far beyond the noise as it is known."""
-    before, after = (float(np.mean(each.raw[each.used] ** 2)) for each in (baseline, view))
+    before, after = (float(np.mean(each.left[each.used] ** 2)) for each in (baseline, view))
     return before > _VISIBLE**2 and after > _LEFT_OVER * before

@@ -15,7 +15,7 @@ from ..problem.linearization import Linearization
 from ..problem.problem import Problem
 from ..results.diagnosis import LackOfFit
 from .fit import Fit, refit
-from .model_selection import PASSES, WORTH, search, search_from, second_effect, select, trial
+from .model_selection import PASSES, WORTH, gain_of_two, search, search_from, second_effect, select, trial
 from .odds import alternative_caveat
 from .outliers import drop_single_row_alarms
 from .ranked_fits import Fits, fit_models, fit_pairs
@@ -94,7 +94,8 @@ def _confirmed(
     if not pairs:
         return one
     enough = one.names(one.best)[0] if one.effects else ""
-    two = _of_two(baseline, one.gates, _to_all(problem, baseline, few, pairs), found[2][:1], alpha, seed, enough)
+    law = one.best if one.effects and one.best.varied else None
+    two = _of_two(baseline, one.gates, _to_all(problem, baseline, few, pairs), found[2][:1], alpha, seed, enough, law)
     return two if two.effects or not one.effects else one
 
 
@@ -145,12 +146,17 @@ def _of_two(
     alpha: float,
     seed: int,
     enough: str = "",
+    law: Fit | None = None,
 ) -> Selection:
-    """Return whether two effects are enough, and better than the `singles`; `enough` names one that passes alone."""
+    """Return whether two effects are enough, and better than the `singles`.
+
+    enough : name of one that passes the tests alone
+    law : fit of one whose law may differ, where that is the one
+    """
     two = trial(ranked, baseline, alpha, seed)
     alone = [refit(two.view, fit.model, fit.by_key()) for fit in singles]
     fits, gates = {1: alone, 2: two.fits}, (*gates, *two.gates)
-    gain = two.fits[0].evidence - max(fit.evidence for fit in (two.null, *alone)) if two.fits else 0.0
+    gain = gain_of_two(two.view, two.null, two.fits, alone, law)
     if gain > WORTH and two.outcome == PASSES:
         doubts = (alternative_caveat(enough, gain),) if enough else ()
         return Selection(baseline, two.view, two.null, fits, gates, 2, False, doubts)

@@ -27,6 +27,7 @@ class Truth:
     values : EA, GA, EI of what was measured
     design, noise : what was done, and how it was read
     seed : of everything random
+    variant : of the test bed that changes the law of the effects, if any
     """
 
     effects: Sizes = field(default_factory=dict)
@@ -36,6 +37,7 @@ class Truth:
     design: str = "T"
     noise: str = "white"
     seed: int = 0
+    variant: str = ""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -71,8 +73,9 @@ class Truth:
         except (OSError, ValueError, RecursionError) as error:
             raise InputError(f"{path}: cannot be read as a truth ({why(error)})") from None
         kinds = {entry.name: type(getattr(cls(), entry.name)) for entry in fields(cls)}
-        if not isinstance(found, dict) or set(found) != set(kinds):
+        if not isinstance(found, dict) or set(found) | {"variant"} != set(kinds):
             raise InputError(f"{path}: no truth; allowed is one object with {', '.join(kinds)}")
+        found = {"variant": "", **found}
         for name, kind in kinds.items():
             numbers = found[name].values() if isinstance(found[name], dict) else ()
             if not isinstance(found[name], kind) or not all(isinstance(value, (int, float)) for value in numbers):

@@ -17,7 +17,7 @@ from ...mechanism.parameters import find
 from ...mechanism.quantity import Quantity
 from ...mechanism.sections import EFFECT_QUANTITIES, STIFFNESSES
 from ...mechanism.vector import pack
-from .. import BUILT_IN, OUTSIDE, Sensors, measure
+from .. import BUILT_IN, OUTSIDE, VARIANTS, Sensors, measure
 from .. import design as loads_of
 from .ground_truth import Truth
 
@@ -103,6 +103,7 @@ def hide(
     noise: str = "white",
     sessions: int = 1,
     spread: bool = True,
+    variant: str = "",
 ) -> tuple[Measurements, Truth]:
     """Make measurements of a mechanism that hides effects.
 
@@ -117,6 +118,7 @@ def hide(
     noise : how it is read, see `NOISES`
     sessions : in how many sessions the first experiment is done
     spread : whether EA, GA and EI differ from those believed, as those of a material test would
+    variant : name of a law in the place of the catalogue's, see `testbed.VARIANTS`
 
     Raises
     ------
@@ -136,9 +138,20 @@ def hide(
     dimensions = {name: _built(neck, name, off) for name, off in tolerance.items()}
     built = neck.replace(**values, **_keyed(dimensions), **_keyed(hidden))
     loads = loads_of(design, replicated=taken.replicated, replicates=taken.replicates, sessions=sessions, seed=of_loads)
-    data = measure(built, loads, taken.sensors, of_noise, hidden=outside)
-    truth = Truth(hidden, outside, tolerance, values, design, noise, seed)
+    if variant:
+        _check_variant(variant, hidden)
+    data = measure(built, loads, taken.sensors, of_noise, hidden={**outside, **({variant: 1.0} if variant else {})})
+    truth = Truth(hidden, outside, tolerance, values, design, noise, seed, variant)
     return replace(data, source="sealed measurements"), truth
+
+
+def _check_variant(variant: str, hidden: Mapping[str, float]) -> None:
+    if variant not in VARIANTS:
+        raise InputError(f"variant {shown(variant)}: no such law of the test bed{did_you_mean(variant, VARIANTS)}; "
+                         f"there are {', '.join(VARIANTS)}")  # fmt: skip
+    of = VARIANTS[variant].effects
+    if not any(name.partition(".")[0] in of for name in hidden):
+        raise InputError(f"variant {variant}: is a law of {' and '.join(of)}; hide one of them")
 
 
 def _keyed(values: Mapping[str, float]) -> dict[str, float]:
