@@ -60,16 +60,17 @@ def _elapsed(part: Measurements) -> Array:
     return np.asarray((t - t.min()) / max(float(np.ptp(t)), 1.0))
 
 
-def law_columns(signature: Array, functions: Array, whitening: Array, share: float) -> Array:
+def law_columns(change: Array, functions: Array, whitening: Array, share: float) -> Array:
     """Return one standard deviation of how the law of one effect may differ, whitened, (n, 3, 14).
 
     Parameters
     ----------
-    signature : (n, 3) whitened change of the readings by the effect
+    change : (n, 3) of the readings by the effect
     functions : (n, 9) that its law may go with, its own size in a row and the channels left out
-    whitening : (n, 3, 3)
+    whitening : (n, 3, 3), singular where a reading is missing
     share : amplitude of each function
     """
+    signature = (whitening @ change[:, :, None])[:, :, 0]
     weight = (signature**2).sum(axis=1)
     total = float(weight.sum())
     if not total > 0.0:
@@ -80,7 +81,6 @@ def law_columns(signature: Array, functions: Array, whitening: Array, share: flo
     spread = np.sqrt(weight @ off**2 / total)
     vary = spread > _SMALLEST * np.maximum(np.abs(all_functions).max(axis=0), 1e-300)
     factor = np.where(vary, off / np.where(vary, spread, 1.0), 0.0)
-    plain = np.linalg.solve(whitening, signature[:, :, None])
-    channels = whitening @ (plain * np.eye(3))
+    channels = whitening @ (change[:, :, None] * np.eye(3))
     channels = np.sqrt(3.0) * (channels - signature[:, :, None] / 3.0)
     return np.asarray(share * np.concatenate([signature[:, :, None] * factor[:, None, :], channels], axis=2))

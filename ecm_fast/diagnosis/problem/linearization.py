@@ -164,9 +164,9 @@ class Linearization:
         functions = modulations(self.problem.data, self.state.pose)[self.rows]
         for candidate in map(self.candidate, model):
             size = values.get(candidate.keys[0], candidate.start[0]) - candidate.start[0]
-            signature = np.nan_to_num(size * self.by[:, :, self.place[candidate.keys[0]]])
+            change = np.nan_to_num(size * self.state.by[self.rows][:, :, self.place[candidate.keys[0]]])
             if self.share > 0.0:
-                columns.append(law_columns(signature, functions, self.whitening, self.share))
+                columns.append(law_columns(change, functions, self.whitening, self.share))
             if candidate.effect.enters == "camera":
                 columns.append(self.whitening @ (size * self.at_rest(candidate.keys[0])[:, None] * POSITION_ANGLE))
         return np.concatenate(columns, axis=2)
