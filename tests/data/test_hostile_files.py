@@ -1,5 +1,6 @@
 """Hostile files: whatever the bytes, the answer is finite loads or one line of `InputError`."""
 
+import functools
 import io
 import tempfile
 from collections.abc import Iterator
@@ -152,6 +153,7 @@ def test_damaged_parquet(data: st.DataObject) -> None:
     check(data.draw(damaged(_parquet())), ".parquet")
 
 
+@functools.cache  # a workbook holds the time at which it was saved
 def _xlsx() -> bytes:
     openpyxl = pytest.importorskip("openpyxl")
     stream, book = io.BytesIO(), openpyxl.Workbook()
